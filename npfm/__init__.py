@@ -1,0 +1,1 @@
+"""npfm: non-parametric factor microfacet models, fitted, rendered and compared."""
