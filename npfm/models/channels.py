@@ -1,0 +1,92 @@
+"""Fit the colour channels of a table one by one, and keep the record."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from npfm.fits import ChannelRecord, Trace
+from npfm.merl import CHANNELS, INVALID, Table
+from npfm.objective import Objective, Samples, channel_samples, fold
+
+
+@dataclass(frozen=True)
+class ChannelFit:
+    """Parameters of one channel in units of the samples' scale, and how they were found."""
+
+    parameters: dict[str, NDArray]
+    traces: tuple[Trace, ...]
+
+
+def fit_channels(
+    table: Table,
+    objective: Objective,
+    fit_channel: Callable[[Samples, int], ChannelFit],
+    coefficients: tuple[str, ...],
+    reciprocal: bool = True,
+) -> tuple[dict[str, NDArray[np.float32]], tuple[ChannelRecord, ...]]:
+    """Fit each channel by itself, as the paper does (section 3).
+
+    Parameters
+    ----------
+    table : Table
+        Measured BRDF in 1/sr.
+    objective : Objective
+        Weights and range.
+    fit_channel : callable
+        Takes the samples of a channel and its number; the samples are folded if `reciprocal`.
+    coefficients : tuple of str
+        The parameters that carry the unit of the BRDF: they are scaled back to 1/sr.
+    reciprocal : bool
+        Whether the model takes the same value with light and view exchanged.
+
+    Returns
+    -------
+    parameters : dict of str to ndarray of float32, first axis the channel
+    records : tuple of ChannelRecord
+    """
+    fitted, records = [], []
+    for channel, name in enumerate(CHANNELS):
+        began = time.perf_counter()
+        samples = channel_samples(table, channel, objective)
+        folded = fold(samples)
+        result = fit_channel(folded if reciprocal else samples, channel)
+        best = min(result.traces, key=lambda trace: trace.objective[-1])
+        energy = folded.energy or 1.0
+        fitted.append(
+            {
+                key: np.asarray(value) * (folded.scale if key in coefficients else 1.0)
+                for key, value in result.parameters.items()
+            }
+        )
+        records.append(
+            ChannelRecord(
+                channel=name,
+                seconds=time.perf_counter() - began,
+                best_start=best.start,
+                objective=best.objective[-1],
+                objective_floor=folded.floor / energy,
+                status=best.status,
+                traces=result.traces,
+            )
+        )
+    parameters = {
+        key: np.stack([channel[key] for channel in fitted]).astype(np.float32) for key in fitted[0]
+    }
+    return parameters, tuple(records)
+
+
+def as_table(channels: list[NDArray], grid) -> Table:
+    """Stack the values of three channels into a table, marked invalid below the horizon.
+
+    Parameters
+    ----------
+    channels : list of three ndarray, shape grid.shape
+        BRDF in 1/sr.
+    grid : Grid
+        Their grid.
+    """
+    values = np.stack([np.where(grid.above_horizon, channel, INVALID) for channel in channels])
+    return Table(values, grid)

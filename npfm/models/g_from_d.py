@@ -1,0 +1,139 @@
+"""The microfacet model with G derived from D by Smith's shadowing (Bagher et al. 2016, sec. 4.3)."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from npfm.fits import Fit
+from npfm.grid import Grid
+from npfm.merl import Table
+from npfm.models.channels import ChannelFit, as_table, fit_channels
+from npfm.models.factors import SMALLEST, State, updated_D, updated_F
+from npfm.models.microfacet import G_THETA, MicrofacetProblem, tabulate_channel
+from npfm.models.slices import factors_of_slices
+from npfm.models.smith import log_derivative, masking_shadowing
+from npfm.objective import Objective, Samples
+from npfm.solvers.problem import Solve
+
+NAME = "g-from-d"
+CLAMP = 0.0  # "we simply clamp negative factor components to 0" (section 4.3)
+#: Updates of F and the coefficients for one of D, which alone needs a pass over the samples.
+INNER_SWEEPS = 5
+
+
+class GFromDProblem(MicrofacetProblem):
+    """The fit of one channel: every change of D changes G with it."""
+
+    def __init__(self, samples: Samples, clamp: float = CLAMP, every: int = 1):
+        super().__init__(samples, clamp, every)
+
+    def smith(self, D: NDArray) -> NDArray:
+        """G of a normal distribution at the nodes of G, scaled to maximum 1."""
+        G = masking_shadowing(D, self.samples.grid, G_THETA)
+        return G / G.max()
+
+    def start(self, D: NDArray, F: NDArray) -> State:
+        """Return the state of a normal distribution and a Fresnel factor."""
+        D = self.state(D, F, np.ones(G_THETA.size)).factors.D
+        return self.state(D, F, self.smith(D))
+
+    def pack(self, state: State) -> NDArray:
+        """Logarithms of D and F."""
+        return super().pack(state)[: -G_THETA.size]
+
+    def unpack(self, packed: NDArray) -> State:
+        """Return the state of packed D and F, with the G that follows from D."""
+        return self.start(*np.split(np.exp(packed), [self.samples.grid.theta_h_bins]))
+
+    def normal_equations(self, state: State) -> tuple[NDArray, NDArray]:
+        """Gradient and Gauss-Newton matrix in the logarithms of D and F, then rho_d.
+
+        Those of a free G, carried over by the exact derivative of log G with respect to log D,
+        components of D that are filled in from seen ones included.
+        """
+        gradient, matrix = super().normal_equations(state)
+        nh, n = self.samples.grid.theta_h_bins, gradient.size
+        g = slice(n - 1 - G_THETA.size, n - 1)
+        chain = np.eye(n)
+        D, bins, seen = state.factors.D, np.arange(nh), self.seen[0]
+        filling = np.array([np.interp(bins, bins[seen], row[seen]) for row in np.eye(nh)]).T
+        filling *= D / np.maximum(D, SMALLEST)[:, None]
+        chain[g, :nh] = log_derivative(D, self.samples.grid, G_THETA) @ filling
+        chain = np.delete(chain, np.r_[g], axis=1)
+        return chain.T @ gradient, chain.T @ matrix @ chain
+
+    @property
+    def stages(self) -> tuple[tuple[Callable[[State], State], ...]]:
+        """One stage: D with its G, then F and the coefficients a few times."""
+        inner = (lambda state: updated_F(state, CLAMP), State.with_coefficients)
+        return ((self._updated_D_and_G, *inner * INNER_SWEEPS),)
+
+    def _updated_D_and_G(self, state: State) -> State:
+        return self._with_G(updated_D(state, CLAMP))
+
+    def _with_G(self, state: State) -> State:
+        G = self.smith(state.factors.D)
+        return State(replace(state.factors, third=G), self.sums(G))
+
+    def between(self, before: State, after: State, t: float) -> State:
+        """Interpolate D, F and the coefficients, and derive G from the D between."""
+        if before.factors.third is after.factors.third:
+            return super().between(before, after, t)
+        D = (1 - t) * before.factors.D + t * after.factors.D
+        return self._with_G(before.with_factors(D=D))
+
+
+def parameter_count(grid: Grid) -> int:
+    """Number of values stored for a material: D, F, rho_d and rho_s for each channel."""
+    return 3 * (grid.theta_h_bins + grid.theta_d_bins + 2)
+
+
+def fit_samples(samples: Samples, solve: Solve) -> tuple[State, list]:
+    """Fit one channel of folded samples in a single run, from its slices."""
+    problem = GFromDProblem(samples)
+    return solve(problem, {"slices": problem.start(*factors_of_slices(samples))})
+
+
+def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
+    """Fit the model in a single run as in the paper, from two slices of the table.
+
+    Parameters
+    ----------
+    table : Table
+        Measured BRDF in 1/sr.
+    objective : Objective
+        Weights and range.
+    solve : Solve
+        A solver with its settings.
+    seed : int
+        Not needed: no start is random.
+
+    Raises
+    ------
+    NpfmError
+        If a channel has no sample that counts.
+    """
+
+    def fit_channel(samples: Samples, channel: int) -> ChannelFit:
+        state, traces = fit_samples(samples, solve)
+        f = state.factors
+        parameters = {"D": f.D, "F": f.F, "rho_d": f.rho_d, "rho_s": f.rho_s}
+        return ChannelFit(parameters, tuple(traces))
+
+    parameters, records = fit_channels(
+        table, objective, fit_channel, coefficients=("rho_d", "rho_s")
+    )
+    return Fit(NAME, parameters, table.grid, records)
+
+
+def tabulate(fit: Fit) -> Table:
+    """Values of a fit at every cell of its grid, in 1/sr; G is derived from the stored D."""
+    channels = []
+    for D, F, rho_d, rho_s in zip(
+        *(fit.parameters[name].astype(float) for name in ("D", "F", "rho_d", "rho_s")), strict=True
+    ):
+        G = masking_shadowing(D, fit.grid, G_THETA)
+        channels.append(tabulate_channel(fit.grid, D, F, G / np.max(G), rho_d, rho_s))
+    return as_table(channels, fit.grid)

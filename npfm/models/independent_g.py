@@ -1,0 +1,175 @@
+"""The microfacet model with a free factor G (Bagher et al. 2016, sections 3, 4.3 and 5)."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solveh_banded
+from scipy.ndimage import gaussian_filter1d
+
+from npfm.fits import Fit
+from npfm.grid import Grid
+from npfm.merl import Table
+from npfm.models import g_from_d, kernels
+from npfm.models.channels import ChannelFit, as_table, fit_channels
+from npfm.models.factors import State, updated_D, updated_F
+from npfm.models.microfacet import G_NODES, G_THETA, MicrofacetProblem, tabulate_channel
+from npfm.models.slices import factors_of_slices
+from npfm.models.smith import masking_shadowing
+from npfm.objective import Objective, Samples
+from npfm.solvers.problem import Solve
+
+NAME = "independent-g"
+CLAMP = 1e-6  # smallest component of a factor (section 4.3, "Dynamic range clamping")
+RANDOM_STARTS = 4  # section 5
+#: Width of the Gaussian that smooths G, in nodes (the paper gives none).
+SMOOTHING = 1.0
+#: Updates of D, F and the coefficients for one of G, which alone needs passes over the samples.
+INNER_SWEEPS = 5
+#: Updates of D, F and the coefficients that every start begins with, its G held.
+WARM_UP_SWEEPS = 20
+#: How strongly components of G that hardly any sample sees are held where they are.
+PROXIMAL = 1e-9
+
+
+class IndependentGProblem(MicrofacetProblem):
+    """The fit of one channel."""
+
+    def __init__(self, samples: Samples, clamp: float = CLAMP, every: int = 1):
+        super().__init__(samples, clamp, every)
+
+    @property
+    def _inner(self) -> tuple[Callable[[State], State], ...]:
+        return (
+            lambda state: updated_D(state, CLAMP),
+            lambda state: updated_F(state, CLAMP),
+            State.with_coefficients,
+        )
+
+    def warmed_up(self, state: State) -> State:
+        """Return the state after updates of all but G, which cost next to nothing."""
+        for update in self._inner * WARM_UP_SWEEPS:
+            candidate = update(state)
+            if self.objective(candidate) > self.objective(state):
+                break
+            state = candidate
+        return self.normalised(state)
+
+    @property
+    def stages(self) -> tuple[tuple[Callable[[State], State], ...], ...]:
+        """G smoothed as in the paper, then a second stage without: smoothing has its own error."""
+        inner = self._inner * INNER_SWEEPS
+        return (
+            (*inner, lambda state: self._updated_G(state, SMOOTHING)),
+            (*inner, lambda state: self._updated_G(state, 0.0)),
+        )
+
+    def _updated_G(self, state: State, smoothing: float) -> State:
+        """AWLS update of G: solve for G_i, then for G_o, and average the two (section 4.3)."""
+        G = state.factors.third
+        first = self._solved_G(state, G)
+        G = (first + self._solved_G(state, first)) / 2
+        if smoothing:
+            G = gaussian_filter1d(G, smoothing, mode="nearest")
+        G = np.maximum(G, CLAMP * G.max())
+        return State(replace(state.factors, third=G), self.sums(G))
+
+    def _solved_G(self, state: State, other: NDArray) -> NDArray:
+        """Least-squares G at one of its places, `other` at the other (tridiagonal: G is linear)."""
+        f = state.factors
+        diagonal, beside, right = kernels.masking_shadowing_equations(
+            *self._arrays, f.rho_s * state.product.ravel(), f.rho_d, other
+        )
+        hold = PROXIMAL * diagonal.max() or 1.0
+        G = solveh_banded(np.stack([beside, diagonal + hold]), right + hold * f.third)
+        return np.maximum(G, CLAMP * G.max()) if G.max() > 0 else f.third
+
+    def along(self, before: State, after: State) -> Callable[[float], float]:
+        """Objective between two states; between two G it is a polynomial of degree 4 in t."""
+        if before.factors.third is after.factors.third:
+            return super().along(before, after)
+        t = np.linspace(0, 1, 5)
+        values = [self.objective(self.between(before, after, x)) for x in t]
+        return np.polynomial.Polynomial(np.linalg.solve(np.vander(t, increasing=True), values))
+
+
+def starts(problem: IndependentGProblem, derived: State, seed: int) -> dict[str, State]:
+    """Eight starts, those of section 5 of the paper.
+
+    Four random ones, all ones, the g-from-d result, two slices with G = 1, and, in place of the
+    published shifted-gamma fits, the same slices with the G that Smith's factor gives for the
+    first of them: like those fits, a physical guess from the slices, but one that any table has.
+
+    Parameters
+    ----------
+    problem : IndependentGProblem
+        The fit of one channel.
+    derived : State
+        The g-from-d result of the same channel.
+    seed : int
+        Seed of the random starts.
+    """
+    nh, nd, _ = problem.samples.grid.shape
+    rng = np.random.default_rng(seed)
+    D, F = factors_of_slices(problem.samples)
+    flat = np.ones(G_NODES)
+    named = {
+        f"random-{k + 1}": tuple(rng.uniform(CLAMP, 1.0, n) for n in (nh, nd, G_NODES))
+        for k in range(RANDOM_STARTS)
+    }
+    named["ones"] = np.ones(nh), np.ones(nd), flat
+    named["g-from-d"] = derived.factors.D, derived.factors.F, derived.factors.third
+    named["slices"] = D, F, flat
+    named["slices-smith"] = D, F, masking_shadowing(D, problem.samples.grid, G_THETA)
+    return {name: problem.warmed_up(problem.state(*factors)) for name, factors in named.items()}
+
+
+def parameter_count(grid: Grid) -> int:
+    """Number of values stored for a material: D, F, G, rho_d and rho_s for each channel."""
+    return 3 * (grid.theta_h_bins + grid.theta_d_bins + G_NODES + 2)
+
+
+def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
+    """Fit the model from eight starts and keep the best.
+
+    Parameters
+    ----------
+    table : Table
+        Measured BRDF in 1/sr.
+    objective : Objective
+        Weights and range.
+    solve : Solve
+        A solver with its settings.
+    seed : int
+        Seed of the random starts.
+
+    Raises
+    ------
+    NpfmError
+        If a channel has no sample that counts.
+    """
+
+    def fit_channel(samples: Samples, channel: int) -> ChannelFit:
+        derived, _ = g_from_d.fit_samples(samples, solve)
+        problem = IndependentGProblem(samples)
+        # Every channel sees the same starts, so that permuting channels permutes fits.
+        state, traces = solve(problem, starts(problem, derived, seed))
+        f = state.factors
+        parameters = {"D": f.D, "F": f.F, "G": f.third, "rho_d": f.rho_d, "rho_s": f.rho_s}
+        return ChannelFit(parameters, tuple(traces))
+
+    parameters, records = fit_channels(
+        table, objective, fit_channel, coefficients=("rho_d", "rho_s")
+    )
+    return Fit(NAME, parameters, table.grid, records)
+
+
+def tabulate(fit: Fit) -> Table:
+    """Values of a fit at every cell of its grid, in 1/sr."""
+    p = {name: array.astype(float) for name, array in fit.parameters.items()}
+    channels = [
+        tabulate_channel(fit.grid, *(p[name][c] for name in ("D", "F", "G", "rho_d", "rho_s")))
+        for c in range(3)
+    ]
+    return as_table(channels, fit.grid)

@@ -1,0 +1,173 @@
+"""Passes over all samples of a microfacet fit, compiled.
+
+These loops are where a fit spends its time; written with array operations they take several
+times as long (docs/performance.md). Samples lie as (theta_h * theta_d, phi_d) arrays; each reads
+G at theta_i and theta_o, linearly between the nodes `node` and `node + 1` at `part` of the way.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@njit(cache=True)
+def kernel_sums(
+    weight: Array,
+    weighted_value: Array,
+    node_i: NDArray[np.int16],
+    part_i: Array,
+    node_o: NDArray[np.int16],
+    part_o: Array,
+    inverse_cosines: Array,
+    G: Array,
+) -> tuple[Array, Array, Array]:
+    """Sums over phi_d of wK, wK^2 and wrK, each of shape (theta_h * theta_d,)."""
+    rows, columns = weight.shape
+    wk, wkk, wrk = np.zeros(rows), np.zeros(rows), np.zeros(rows)
+    for row in range(rows):
+        for p in range(columns):
+            w = weight[row, p]
+            if w == 0.0:
+                continue
+            i, o = node_i[row, p], node_o[row, p]
+            g_i = G[i] + part_i[row, p] * (G[i + 1] - G[i])
+            g_o = G[o] + part_o[row, p] * (G[o + 1] - G[o])
+            k = g_i * g_o * inverse_cosines[row, p]
+            wk[row] += w * k
+            wkk[row] += w * k * k
+            wrk[row] += weighted_value[row, p] * k
+    return wk, wkk, wrk
+
+
+@njit(cache=True)
+def masking_shadowing_equations(
+    weight: Array,
+    weighted_value: Array,
+    node_i: NDArray[np.int16],
+    part_i: Array,
+    node_o: NDArray[np.int16],
+    part_o: Array,
+    inverse_cosines: Array,
+    slope: Array,
+    rho_d: float,
+    other: Array,
+) -> tuple[Array, Array, Array]:
+    """Tridiagonal normal equations of G at one of its two places, `other` being G at the other.
+
+    Folded samples count once with their light and once with their view at the place sought.
+    `slope` is rho_s D F, shape (theta_h * theta_d,).
+
+    Returns
+    -------
+    diagonal, beside, right : ndarray, shape of other
+        `beside[k]` couples nodes k - 1 and k; `right` is the right-hand side.
+    """
+    diagonal, beside, right = np.zeros_like(other), np.zeros_like(other), np.zeros_like(other)
+    rows, columns = weight.shape
+    for row in range(rows):
+        for p in range(columns):
+            w = weight[row, p]
+            if w == 0.0:
+                continue
+            residual = weighted_value[row, p] - rho_d * w
+            scale = slope[row] * inverse_cosines[row, p]
+            for place in range(2):
+                if place == 0:
+                    node, part = node_i[row, p], part_i[row, p]
+                    far, far_part = node_o[row, p], part_o[row, p]
+                else:
+                    node, part = node_o[row, p], part_o[row, p]
+                    far, far_part = node_i[row, p], part_i[row, p]
+                y = scale * (other[far] + far_part * (other[far + 1] - other[far]))
+                low, high = y * (1 - part), y * part
+                diagonal[node] += w * low * low
+                diagonal[node + 1] += w * high * high
+                beside[node + 1] += w * low * high
+                right[node] += residual * low
+                right[node + 1] += residual * high
+    return diagonal, beside, right
+
+
+@njit(cache=True)
+def normal_equations(
+    weight: Array,
+    weighted_value: Array,
+    node_i: NDArray[np.int16],
+    part_i: Array,
+    node_o: NDArray[np.int16],
+    part_o: Array,
+    inverse_cosines: Array,
+    D: Array,
+    F: Array,
+    G: Array,
+    rho_d: float,
+    rho_s: float,
+) -> tuple[Array, Array]:
+    """Gradient J'Wr and Gauss-Newton matrix J'WJ in (log D, log F, log G, rho_d).
+
+    With x = rho_s D F K, the derivative of the model is x in log D and log F of the sample's
+    bins, 1 in rho_d, and x times its share of the interpolated G in log G of each node read.
+
+    Returns
+    -------
+    gradient : ndarray, shape (n,)
+    matrix : ndarray, shape (n, n)
+        n = D.size + F.size + G.size + 1; only the upper triangle is filled.
+    """
+    nh, nd, ng = D.size, F.size, G.size
+    first_g, last = nh + nd, nh + nd + ng
+    gradient, matrix = np.zeros(last + 1), np.zeros((last + 1, last + 1))
+    columns = weight.shape[1]
+    row_g = np.zeros(ng)
+    nodes, shares = np.zeros(4, np.int64), np.zeros(4)
+    for h in range(nh):
+        for d in range(nd):
+            row = h * nd + d
+            product = rho_s * D[h] * F[d]
+            sum_w, sum_wx, sum_wxx, sum_wxr, sum_wr = 0.0, 0.0, 0.0, 0.0, 0.0
+            for p in range(columns):
+                w = weight[row, p]
+                if w == 0.0:
+                    continue
+                i, o = node_i[row, p], node_o[row, p]
+                low_i, high_i = (1 - part_i[row, p]) * G[i], part_i[row, p] * G[i + 1]
+                low_o, high_o = (1 - part_o[row, p]) * G[o], part_o[row, p] * G[o + 1]
+                g_i, g_o = low_i + high_i, low_o + high_o
+                x = product * g_i * g_o * inverse_cosines[row, p]
+                wr = w * (rho_d + x) - weighted_value[row, p]
+                wx, wxr, wxx = w * x, wr * x, w * x * x
+                sum_w += w
+                sum_wr += wr
+                sum_wx += wx
+                sum_wxr += wxr
+                sum_wxx += wxx
+                nodes[0], nodes[1], nodes[2], nodes[3] = i, i + 1, o, o + 1
+                shares[0], shares[1] = low_i / g_i, high_i / g_i
+                shares[2], shares[3] = low_o / g_o, high_o / g_o
+                for a in range(4):
+                    at, share = nodes[a], shares[a]
+                    row_g[at] += wxx * share
+                    gradient[first_g + at] += wxr * share
+                    matrix[first_g + at, last] += wx * share
+                    for b in range(4):
+                        if nodes[b] >= at:
+                            matrix[first_g + at, first_g + nodes[b]] += wxx * share * shares[b]
+            if sum_w == 0.0:
+                continue
+            gradient[h] += sum_wxr
+            gradient[nh + d] += sum_wxr
+            gradient[last] += sum_wr
+            matrix[h, h] += sum_wxx
+            matrix[nh + d, nh + d] += sum_wxx
+            matrix[h, nh + d] += sum_wxx
+            matrix[h, last] += sum_wx
+            matrix[nh + d, last] += sum_wx
+            matrix[last, last] += sum_w
+            for k in range(ng):
+                if row_g[k] != 0.0:
+                    matrix[h, first_g + k] += row_g[k]
+                    matrix[nh + d, first_g + k] += row_g[k]
+                    row_g[k] = 0.0
+    return gradient, matrix

@@ -1,0 +1,195 @@
+"""The fitting objective: which samples count, how much, and the sums that follow from it.
+
+Bagher et al. 2016, section 4.1: E = sum_j w_j (rho_j - rho*_j)^2 with w = w_V w_I w_C.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from npfm.errors import NpfmError
+from npfm.grid import Grid
+from npfm.merl import CHANNELS, Table
+
+#: Power of the compressive weight and steepness of the compressive function (section 4.1).
+COMPRESSION_POWER = 1.4
+COMPRESSION_ALPHA = np.log(2)
+
+
+@dataclass(frozen=True)
+class Objective:
+    """What is minimised.
+
+    Parameters
+    ----------
+    compressive : bool
+        Whether the compressive weight (equation 11) is in the product; off for Figure 7.
+    max_angle : float
+        Largest theta_i and theta_o that count, in degrees.
+    """
+
+    compressive: bool = True
+    max_angle: float = 89.0
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Weighted samples of one channel, in units of the channel's `scale`.
+
+    Parameters
+    ----------
+    weight : ndarray, shape (theta_h, theta_d, phi_d)
+        w of equation 8, 0 where a sample does not count.
+    value : ndarray, the same shape
+        Measured BRDF divided by `scale`, 0 where a sample does not count.
+    scale : float
+        The weighted median (1/sr), or 1 where that is 0: fits work on numbers around 1.
+    floor : float
+        Part of the objective that folding has taken out (0 before folding).
+    grid : Grid
+        Where the samples lie; folded samples keep the first half of its phi_d bins.
+    """
+
+    weight: NDArray[np.float64]
+    value: NDArray[np.float64]
+    scale: float
+    floor: float
+    grid: Grid
+
+    @property
+    def energy(self) -> float:
+        """Objective of the model that is 0 everywhere; relative objectives are shares of it."""
+        return self.floor + float(np.vdot(self.weight, self.value**2))
+
+
+def volume_form(grid: Grid) -> NDArray[np.float64]:
+    """Weight w_V of each cell: the volume form of (theta_h', theta_d, phi_d) space.
+
+    Bagher et al. 2016, equation 9, times the factor 2 sqrt(theta_h) of d(theta_h) where bins are
+    uniform in sqrt(theta_h) (equation 6; the paper's text drops a root). Global constants are
+    left out.
+
+    Returns
+    -------
+    ndarray, shape grid.shape
+    """
+    sin_d, cos_d = np.sin(grid.theta_d)[:, None], np.cos(grid.theta_d)[:, None]
+    spread = np.sqrt(8 * sin_d**2 * (cos_d**2 + sin_d**2 * np.cos(grid.phi_d) ** 2))
+    return 2 * np.sqrt(grid.theta_h)[:, None, None] * spread
+
+
+def importance(grid: Grid) -> NDArray[np.float64]:
+    """Weight w_I = cos(theta_i) cos(theta_o) of each cell, 0 below the horizon (equation 10)."""
+    cos_i, cos_o = grid.cosines
+    return np.maximum(cos_i, 0) * np.maximum(cos_o, 0)
+
+
+def compressive_weight(relative: NDArray) -> NDArray[np.float64]:
+    """Weight w_C of samples given in units of the weighted median.
+
+    Bagher et al. 2016, equations 11 and 12: ((1 - exp(-alpha x)) / (alpha x))^p, which is 1 at
+    x = 0 and falls to 0 as x grows.
+    """
+    exponent = COMPRESSION_ALPHA * np.asarray(relative, dtype=float)
+    safe = np.where(exponent > 0, exponent, 1.0)
+    share = np.where(exponent > 0, -np.expm1(-safe) / safe, 1.0)
+    return share**COMPRESSION_POWER
+
+
+def weighted_median(value: NDArray, weight: NDArray) -> float:
+    """Smallest value at which at least half of the weight is reached.
+
+    Parameters
+    ----------
+    value, weight : ndarray, the same shape
+        Weights are non-negative; samples of weight 0 do not count.
+
+    Raises
+    ------
+    ValueError
+        If all weights are 0.
+    """
+    counts = weight > 0
+    value, weight = value[counts], weight[counts]
+    if value.size == 0:
+        raise ValueError("the weighted median of no samples is not defined")
+    order = np.argsort(value, kind="stable")
+    reached = np.cumsum(weight[order])
+    return float(value[order][np.searchsorted(reached, reached[-1] / 2)])
+
+
+def counted(grid: Grid, max_angle: float) -> NDArray[np.bool_]:
+    """Cells whose theta_i and theta_o are both at most `max_angle` degrees (section 4.1)."""
+    lowest = np.cos(np.deg2rad(max_angle))
+    cos_i, cos_o = grid.cosines
+    return (cos_i >= lowest) & (cos_o >= lowest) & grid.above_horizon
+
+
+def channel_samples(table: Table, channel: int, objective: Objective) -> Samples:
+    """Weighted samples of one channel of a table.
+
+    Parameters
+    ----------
+    table : Table
+        Measured BRDF in 1/sr, negative where not measured.
+    channel : int
+        0, 1 or 2.
+    objective : Objective
+        Which samples count and how.
+
+    Raises
+    ------
+    NpfmError
+        If no sample of the channel counts.
+    """
+    measured = table.values[channel]
+    usable = counted(table.grid, objective.max_angle) & (measured >= 0)
+    if not usable.any():
+        raise NpfmError(
+            f"the {CHANNELS[channel]} channel has no valid sample at theta_i and theta_o up to "
+            f"{objective.max_angle:g} degrees; nothing can be fitted to it"
+        )
+    value = np.where(usable, measured, 0.0)
+    weight = np.where(usable, volume_form(table.grid) * importance(table.grid), 0.0)
+    scale = weighted_median(value, weight) or 1.0
+    value = value / scale
+    if objective.compressive:
+        weight = weight * compressive_weight(value)
+    return Samples(weight, value, scale, 0.0, table.grid)
+
+
+def fold(samples: Samples) -> Samples:
+    """Merge each sample with the one that has light and view exchanged.
+
+    A reciprocal model takes the same value m at phi_d and pi - phi_d, and
+    w1 (m - r1)^2 + w2 (m - r2)^2 = (w1 + w2) (m - r)^2 + w1 w2 (r1 - r2)^2 / (w1 + w2) with r the
+    weighted mean. The objective is the same to rounding, on half the samples; the last term
+    is what no reciprocal model can remove, and goes into `floor`.
+
+    Returns
+    -------
+    Samples
+        With weight and value of shape (theta_h, theta_d, phi_d / 2).
+    """
+    half = samples.grid.phi_d_bins // 2
+    w1, w2 = samples.weight[..., :half], samples.weight[..., : half - 1 : -1]
+    r1, r2 = samples.value[..., :half], samples.value[..., : half - 1 : -1]
+    weight = w1 + w2
+    safe = np.where(weight > 0, weight, 1.0)
+    floor = float(np.sum(w1 * (w2 / safe) * (r1 - r2) ** 2))
+    value = (w1 * r1 + w2 * r2) / safe
+    return Samples(weight, value, samples.scale, samples.floor + floor, samples.grid)
+
+
+def evaluate(samples: Samples, model: NDArray) -> float:
+    """Objective of model values, summed sample by sample (equation 7).
+
+    Parameters
+    ----------
+    samples : Samples
+        The measurements.
+    model : ndarray, shape of samples.weight
+        Model values in units of samples.scale.
+    """
+    return samples.floor + float(np.sum(samples.weight * (model - samples.value) ** 2))

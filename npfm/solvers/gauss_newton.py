@@ -1,0 +1,129 @@
+"""Damped Gauss-Newton (Levenberg-Marquardt) on the logarithms of the factors.
+
+The objective is a weighted sum of squares in a few hundred unknowns, whose normal equations a
+problem accumulates in one pass. Logarithms keep factors positive and make the product linear;
+the clamp is a bound on them. After each step rho_d and rho_s are solved for exactly.
+Several starts are run on thinned samples first, and only the best goes on to all of them.
+"""
+
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
+
+from npfm.fits import Trace
+from npfm.solvers.problem import Problem, S, Solver
+
+#: Several starts are compared on every n-th bin of phi_d, to so many times the tolerance.
+COARSE, COARSE_TOLERANCE = 6, 10.0
+#: Longest step of a logarithm: a factor changes by at most e^3, about 20, at a time.
+LONGEST_STEP = 3.0
+FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-10, 1e8
+#: Damping is divided by this after a step that helps, and multiplied by it after one that does not.
+EASE, TIGHTEN = 5.0, 4.0
+#: Iterations in a row that hardly lower the objective, before a run is called converged.
+PATIENCE = 2
+
+
+def solve(
+    problem: Problem[S], starts: Mapping[str, S], settings: Solver
+) -> tuple[S, list[Trace]]:
+    """Minimise from each start on thinned samples, then from the best on all of them.
+
+    Returns
+    -------
+    state, traces
+        The trace of the start that went on is that of its second run, the time of the first
+        included; the others' are those of their runs on thinned samples.
+    """
+    coarse = problem.thinned(COARSE)
+    loose = replace(settings, tolerance=COARSE_TOLERANCE * settings.tolerance)
+    runs = {
+        name: minimise(coarse, name, coarse.unpack(problem.pack(start)), loose)
+        for name, start in starts.items()
+    }
+    best = min(runs, key=lambda name: runs[name][1].objective[-1])
+    traces = {name: trace for name, (_, trace) in runs.items()}
+    state = problem.unpack(coarse.pack(runs[best][0]))
+    state, traces[best] = minimise(problem, best, state, settings, traces[best])
+    return state, list(traces.values())
+
+
+def minimise(
+    problem: Problem[S], name: str, state: S, settings: Solver, earlier: Trace | None = None
+) -> tuple[S, Trace]:
+    """Run from one start.
+
+    Parameters
+    ----------
+    problem, name, state, settings
+        What to minimise, the start's name, the start, and when to stop.
+    earlier : Trace, optional
+        A run on thinned samples that led to `state`: its time and iterations are counted.
+
+    Returns
+    -------
+    state, trace
+        An iteration is one accepted step.
+    """
+    offset = earlier.seconds[-1] if earlier else 0.0
+    began = time.perf_counter() - offset
+    objectives, seconds = [problem.objective(state)], [offset]
+    damping, calm, status = FIRST_DAMPING, 0, "converged"
+    while calm < PATIENCE:
+        if len(objectives) > settings.max_iterations:
+            status = "iteration cap"
+            break
+        accepted, damping = _step(problem, state, objectives[-1], damping)
+        if accepted is None:
+            break
+        state, reached = accepted
+        calm = calm + 1 if objectives[-1] - reached <= settings.tolerance * reached else 0
+        objectives.append(reached)
+        seconds.append(time.perf_counter() - began)
+    relative = tuple(value / problem.energy if problem.energy else 0.0 for value in objectives)
+    iterations = len(objectives) - 1 + (earlier.iterations if earlier else 0)
+    return state, Trace(name, status, iterations, 0, tuple(seconds), relative)
+
+
+def _step(
+    problem: Problem[S], state: S, current: float, damping: float
+) -> tuple[tuple[S, float] | None, float]:
+    """Tighten the damping until a step lowers the objective; None if none does."""
+    packed = problem.pack(state)
+    gradient, matrix = problem.normal_equations(state)
+    at_bound = np.append((packed <= problem.lower + 1e-9) & (gradient[:-1] > 0), False)
+    held, tops = np.flatnonzero(at_bound), np.append(problem.tops(packed), packed.size)
+    # A component at the clamp is a fixed share of the largest one of its factor and moves with it.
+    for top in np.unique(tops[held]):
+        tied = held[tops[held] == top]
+        gradient[top] += gradient[tied].sum()
+        matrix[:, top] += matrix[:, tied].sum(1)
+        matrix[top] += matrix[tied].sum(0)
+    free = np.flatnonzero((np.diag(matrix) > 1e-300) & ~at_bound)
+    while damping < MOST_DAMPING:
+        step = np.zeros(gradient.size)
+        step[free] = _solved(matrix[np.ix_(free, free)], gradient[free], damping)
+        step[held] = step[tops[held]]
+        candidate = problem.unpack(packed + step[:-1])
+        reached = problem.objective(candidate)
+        if reached < current:
+            return (candidate, reached), max(damping / EASE, LEAST_DAMPING)
+        damping *= TIGHTEN
+    return None, damping
+
+
+def _solved(matrix: NDArray, gradient: NDArray, damping: float) -> NDArray:
+    scale = np.diag(matrix)
+    # Scaling to a unit diagonal makes the damping the same for strong and for weak unknowns.
+    root = np.sqrt(scale)
+    scaled = matrix / root / root[:, None]
+    scaled[np.diag_indices_from(scaled)] = 1 + damping + 1e-12
+    try:
+        step = cho_solve(cho_factor(scaled, lower=True), -gradient / root) / root
+    except LinAlgError:
+        step = -gradient / scale
+    return np.clip(step, -LONGEST_STEP, LONGEST_STEP)
