@@ -1,4 +1,7 @@
-"""The one exception that is meant for the user's eyes."""
+"""The one exception that is meant for the user's eyes, and hints to go with it."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
 
 
 class NpfmError(Exception):
@@ -6,3 +9,33 @@ class NpfmError(Exception):
 
     The command line prints the message without a traceback and exits with code 1.
     """
+
+
+#: So many names are listed in a message rather than the nearest of them.
+FEW = 8
+
+
+def suggest(name: str, available: Iterable[str]) -> str:
+    """End an error message with what there is instead of a name that does not exist.
+
+    Parameters
+    ----------
+    name : str
+        The name that does not exist.
+    available : iterable of str
+        The names that do.
+
+    Returns
+    -------
+    str
+        The nearest names if there are any near, else all of them if they are few.
+    """
+    available = sorted(set(available))
+    near = get_close_matches(name.lower(), available, n=3, cutoff=0.5)
+    if near:
+        return f"did you mean {' or '.join(near)}?"
+    if len(available) <= FEW:
+        return (
+            f"choose from {', '.join(available)}" if available else "there is none to choose from"
+        )
+    return f"the {len(available)} names run from {available[0]} to {available[-1]}"

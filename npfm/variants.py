@@ -1,10 +1,9 @@
 """Models and solvers by name. Each is imported when it is asked for."""
 
-import difflib
 from functools import partial
 from types import ModuleType
 
-from npfm.errors import NpfmError
+from npfm.errors import NpfmError, suggest
 from npfm.solvers.problem import Solve, Solver
 
 #: Models in the order of the paper's Figure 8, best average first.
@@ -30,7 +29,7 @@ def model(name: str) -> ModuleType:
         case "naive":
             from npfm.models import naive as module
         case _:
-            raise unknown("model", name, MODELS)
+            raise NpfmError(f"unknown variant '{name}'; {suggest(name, MODELS)}")
     return module
 
 
@@ -48,12 +47,7 @@ def solver(settings: Solver) -> Solve:
         case "awls":
             from npfm.solvers import awls as module
         case _:
-            raise unknown("solver", settings.method, SOLVERS)
+            raise NpfmError(
+                f"unknown solver '{settings.method}'; {suggest(settings.method, SOLVERS)}"
+            )
     return partial(module.solve, settings=settings)
-
-
-def unknown(kind: str, name: str, known: tuple[str, ...]) -> NpfmError:
-    """Return the error for a name that is not known, with the nearest ones that are."""
-    near = difflib.get_close_matches(name, known, n=3, cutoff=0.4)
-    hint = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(known)}"
-    return NpfmError(f"unknown {kind} '{name}'; {hint}")

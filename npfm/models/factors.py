@@ -1,4 +1,4 @@
-"""What the models of one product share: rho_d + rho_s D(theta_h) F(theta_d) K(theta_h, theta_d, phi_d).
+"""What one-product models share: rho_d + rho_s D(theta_h) F(theta_d) K(theta_h, theta_d, phi_d).
 
 K is made of a third factor: of G in the microfacet models, and H itself in the naive one. For a
 fixed K, the objective depends on D, F, rho_d and rho_s only through sums over phi_d of w, wK,
@@ -19,7 +19,6 @@ Array = NDArray[np.float64]
 
 #: What stands for 0 where a logarithm is taken.
 SMALLEST = 1e-12
-
 
 
 @dataclass(frozen=True)
@@ -65,9 +64,7 @@ class Sums:
 
     def scaled(self, scale: float) -> "Sums":
         """Return the sums of `scale` times K."""
-        return replace(
-            self, wk=self.wk * scale, wkk=self.wkk * scale**2, wrk=self.wrk * scale
-        )
+        return replace(self, wk=self.wk * scale, wkk=self.wkk * scale**2, wrk=self.wrk * scale)
 
 
 def coefficients(sums: Sums, product: Array) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""The microfacet model with G derived from D by Smith's shadowing (Bagher et al. 2016, sec. 4.3)."""
+"""The microfacet model with G derived from D by Smith shadowing (Bagher et al. 2016, sec. 4.3)."""
 
 from collections.abc import Callable
 from dataclasses import replace

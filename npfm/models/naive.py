@@ -64,9 +64,9 @@ class NaiveProblem(FactorProblem):
         residual = x**2 * s.wkk + x * (f.rho_d * s.wk - s.wrk)
         cube = self.weight.reshape(nh, nd, nphi)
         hp = (f.rho_s * f.D[:, None] * f.third) ** 2 * np.matmul(f.F**2, cube)
-        dp = (f.rho_s * f.F[:, None] * f.third) ** 2 * (f.D**2 @ self.weight.reshape(nh, -1)).reshape(
-            nd, nphi
-        )
+        dp = (f.rho_s * f.F[:, None] * f.third) ** 2 * (
+            f.D**2 @ self.weight.reshape(nh, -1)
+        ).reshape(nd, nphi)
         linear = x.ravel() @ self.weight * f.third
         pull = x.ravel() @ self.weighted_value * f.third
         wx = x * s.wk

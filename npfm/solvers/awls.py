@@ -13,9 +13,7 @@ from npfm.solvers.golden import golden_section
 from npfm.solvers.problem import Problem, S, Solver, Update
 
 
-def solve(
-    problem: Problem[S], starts: Mapping[str, S], settings: Solver
-) -> tuple[S, list[Trace]]:
+def solve(problem: Problem[S], starts: Mapping[str, S], settings: Solver) -> tuple[S, list[Trace]]:
     """Run AWLS from each start; the state with the lowest objective and all traces."""
     runs = [minimise(problem, name, start, settings) for name, start in starts.items()]
     best = min(runs, key=lambda run: run[1].objective[-1])

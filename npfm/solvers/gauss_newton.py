@@ -28,9 +28,7 @@ EASE, TIGHTEN = 5.0, 4.0
 PATIENCE = 2
 
 
-def solve(
-    problem: Problem[S], starts: Mapping[str, S], settings: Solver
-) -> tuple[S, list[Trace]]:
+def solve(problem: Problem[S], starts: Mapping[str, S], settings: Solver) -> tuple[S, list[Trace]]:
     """Minimise from each start on thinned samples, then from the best on all of them.
 
     Returns

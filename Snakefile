@@ -1,0 +1,40 @@
+"""Fit reflectance models to measured materials, render them, and compare."""
+
+import sys
+
+from npfm.config import check
+from npfm.errors import NpfmError
+
+
+configfile: "config.yaml"
+
+
+try:
+    RUN = check(config)
+except NpfmError as error:
+    sys.exit(f"npfm: {error}")
+
+OUT = RUN.folder
+NPFM = f"{sys.executable} -m npfm"
+
+
+wildcard_constraints:
+    material="[^/]+",
+    variant="[^/]+",
+    scene="[^/]+",
+    light="[^/]+",
+
+
+include: "workflow/rules/materials.smk"
+include: "workflow/rules/fits.smk"
+include: "workflow/rules/scenes.smk"
+include: "workflow/rules/pictures.smk"
+include: "workflow/rules/tables.smk"
+include: "workflow/rules/figures.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        rules.tables.input,
+        rules.figures.input,

@@ -1,0 +1,76 @@
+"""``python -m npfm <verb>``: what the workflow's rules call, and a person can use alone."""
+
+import argparse
+import os
+import sys
+from types import ModuleType
+
+# One job, one core: the workflow runs jobs side by side, and sums that several threads share
+# would differ from run to run. Libraries read these when they are loaded.
+for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_variable, "1")
+
+from npfm.errors import NpfmError  # noqa: E402
+
+VERBS = {
+    "material": "write one material of a dataset as a MERL .binary file",
+    "fit": "fit a model to a MERL .binary file",
+    "tabulate": "write a fit as a MERL .binary file",
+    "light": "convert a light probe, or generate a light, as a lat-long EXR",
+    "scene": "build the transport matrix of a scene",
+    "render": "render a MERL table or a fit in a scene",
+    "compare": "PSNR of pictures against a reference",
+    "tables": "gather fits and pictures into the tables of a run",
+    "figure": "draw a figure from the tables of a run",
+}
+
+
+def _command(verb: str) -> ModuleType:
+    """Return the module of a verb; only that one is imported, to start quickly."""
+    match verb:
+        case "material":
+            from npfm.commands import material as module
+        case "fit":
+            from npfm.commands import fit as module
+        case "tabulate":
+            from npfm.commands import tabulate as module
+        case "light":
+            from npfm.commands import light as module
+        case "scene":
+            from npfm.commands import scene as module
+        case "render":
+            from npfm.commands import render as module
+        case "compare":
+            from npfm.commands import compare as module
+        case "tables":
+            from npfm.commands import tables as module
+        case "figure":
+            from npfm.commands import figure as module
+    return module
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run a verb; return the exit code (1 for a mistake in the input, told in one line)."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    parser = argparse.ArgumentParser(prog="python -m npfm", description=__doc__.split("\n")[0])
+    verbs = parser.add_subparsers(dest="verb", required=True, metavar="verb")
+    for verb, summary in VERBS.items():
+        chosen = verbs.add_parser(
+            verb,
+            help=summary,
+            description=summary[0].upper() + summary[1:] + ".",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        if arguments[:1] == [verb]:
+            _command(verb).add_arguments(chosen)
+    parsed = parser.parse_args(arguments)
+    try:
+        _command(parsed.verb).run(parsed)
+    except NpfmError as error:
+        print(f"npfm {parsed.verb}: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,82 @@
+"""``npfm fit``."""
+
+import argparse
+from dataclasses import replace
+
+from tqdm import tqdm
+
+from npfm import fits, variants
+from npfm.errors import NpfmError
+from npfm.merl import read_binary
+from npfm.objective import Objective
+from npfm.solvers.problem import Solve, Solver
+
+EXAMPLE = """\
+example:
+  python -m npfm fit chrome.binary --variant independent-g -o chrome.npz
+writes chrome.npz (float32 parameters; rho_d and rho_s in 1/sr) and chrome.json (seconds,
+iterations and objective of every start). The objective is dimensionless: its share of the
+weighted sum of squares of the measurement.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    objective, solver = Objective(), Solver()
+    parser.epilog = EXAMPLE
+    parser.add_argument("table", help="MERL .binary file to fit")
+    parser.add_argument("--variant", required=True, help=f"model: {', '.join(variants.MODELS)}")
+    parser.add_argument("-o", "--output", required=True, help="fit to write (.npz)")
+    parser.add_argument(
+        "--solver",
+        default=solver.method,
+        help=f"{' or '.join(variants.SOLVERS)} (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=float,
+        default=solver.tolerance,
+        help="stop when an iteration lowers the objective by less than this share "
+        "(default: %(default)s)",
+    )
+    parser.add_argument(
+        "--max-iterations",
+        type=int,
+        default=solver.max_iterations,
+        help="cap on the iterations of one run (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--max-angle",
+        type=float,
+        default=objective.max_angle,
+        help="largest theta_i and theta_o that count, in degrees (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--no-compressive", action="store_true", help="leave the compressive weight out"
+    )
+    parser.add_argument("--seed", type=int, default=1, help="seed of random starts (default: 1)")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Fit, and write the fit and its record."""
+    model = variants.model(arguments.variant)
+    settings = Solver(arguments.solver, arguments.tolerance, arguments.max_iterations)
+    objective = Objective(not arguments.no_compressive, arguments.max_angle)
+    solve = variants.solver(settings)
+    table = read_binary(arguments.table)
+    with tqdm(desc=f"fit {arguments.variant}", unit="start", disable=None) as progress:
+        try:
+            fit = model.fit(table, objective, _watched(solve, progress), arguments.seed)
+        except NpfmError as error:
+            raise NpfmError(f"{arguments.table}: {error}") from error
+    fits.save(arguments.output, replace(fit, model=arguments.variant))
+
+
+def _watched(solve: Solve, progress: tqdm) -> Solve:
+    class Starts(dict):
+        def items(self):
+            for item in super().items():
+                yield item
+                progress.update()
+
+    return lambda problem, starts: solve(problem, Starts(starts))

@@ -1,0 +1,37 @@
+"""``npfm light``."""
+
+import argparse
+
+from npfm.lights import environment
+
+EXAMPLE = """\
+examples:
+  python -m npfm light grace_probe.hdr --layout angular-map --height 512 -o grace.exr
+  python -m npfm light --generate grove --height 512 -o grove.exr
+The result is a lat-long map of HEIGHT x 2 HEIGHT texels of linear radiance; its centre is the
+direction the camera looks in.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.epilog = EXAMPLE
+    source = parser.add_mutually_exclusive_group(required=True)
+    source.add_argument("probe", nargs="?", help="light probe, .hdr or .exr")
+    source.add_argument("--generate", metavar="NAME", help="a light that the project makes")
+    parser.add_argument("--layout", help="angular-map, vertical-cross or lat-long")
+    parser.add_argument("--height", type=int, default=512, help="rows (default: 512)")
+    parser.add_argument("-o", "--output", required=True, help="lat-long EXR to write")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Convert or generate."""
+    if arguments.generate:
+        from npfm.lights.generated import generate
+
+        light = generate(arguments.generate, arguments.height)
+    else:
+        from npfm.lights.formats import load_probe
+
+        light = load_probe(arguments.probe, arguments.layout, arguments.height)
+    environment.write(arguments.output, light)

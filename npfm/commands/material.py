@@ -1,0 +1,56 @@
+"""``npfm material``."""
+
+import argparse
+import os
+from pathlib import Path
+
+from npfm.files import replacing
+from npfm.merl import read_binary, write_binary
+
+EXAMPLE = """\
+examples:
+  python -m npfm material --synthetic car-paint --seed 1 -o car-paint.binary
+  python -m npfm material --neural chrome --from merl_nbrdf.zip -o chrome.binary
+  python -m npfm material --merl chrome --from brdfs -o chrome.binary
+The last one checks brdfs/chrome.binary and links to it; with --url, a file that is missing there is
+downloaded first. Tables are BRDFs in 1/sr, in MERL's own scaling.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.epilog = EXAMPLE
+    kind = parser.add_mutually_exclusive_group(required=True)
+    kind.add_argument("--synthetic", metavar="NAME", help="a material that the project makes")
+    kind.add_argument("--neural", metavar="NAME", help="a material of the neural archive")
+    kind.add_argument("--merl", metavar="NAME", help="a material of a folder of .binary files")
+    parser.add_argument("--from", dest="source", help="the archive, or the folder")
+    parser.add_argument("--url", help="where to download from, with {name} for the material")
+    parser.add_argument("--seed", type=int, default=1, help="seed of synthetic noise (default: 1)")
+    parser.add_argument("-o", "--output", required=True, help="MERL .binary file to write")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Write the table, or link to it."""
+    if arguments.synthetic:
+        from npfm.datasets import synthetic
+
+        write_binary(arguments.output, synthetic.load(arguments.synthetic, arguments.seed))
+    elif arguments.neural:
+        from npfm.datasets import neural
+
+        write_binary(arguments.output, neural.load(arguments.source, arguments.neural))
+    else:
+        _link(arguments)
+
+
+def _link(arguments: argparse.Namespace) -> None:
+    from npfm.datasets import directory
+
+    folder = Path(arguments.source)
+    if arguments.url and not (folder / f"{arguments.merl}.binary").exists():
+        directory.download(arguments.url, arguments.merl, folder)
+    source = directory.path(folder, arguments.merl)
+    read_binary(source)
+    with replacing(arguments.output) as temporary:
+        os.symlink(source.resolve(), temporary)

@@ -1,0 +1,46 @@
+"""``npfm render``."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from npfm import pictures, transport
+from npfm.commands.sources import table
+from npfm.merl import INVALID, Table, read_binary
+
+EXAMPLE = """\
+examples:
+  python -m npfm render scene-a chrome.binary -o measured.exr
+  python -m npfm render scene-a chrome.npz --measured chrome.binary -o independent-g.exr
+writes linear radiance (RGB, and the coverage by objects as alpha) and a tone-mapped PNG beside it.
+With --measured, cells without a measurement are black, as they are in the picture of the
+measurement: they count neither for nor against the fit.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.epilog = EXAMPLE
+    parser.add_argument("scene", help="folder made by npfm scene")
+    parser.add_argument("source", help="MERL .binary file, or fit (.npz)")
+    parser.add_argument("--measured", help="MERL .binary file that the fit was made from")
+    parser.add_argument(
+        "--exposure", type=float, default=0.02, help="of the PNG, factor (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--gamma", type=float, default=2.2, help="of the PNG, exponent (default: %(default)s)"
+    )
+    parser.add_argument("-o", "--output", required=True, help="EXR to write")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Render."""
+    material = table(arguments.source)
+    if arguments.measured:
+        measured = read_binary(arguments.measured)
+        material = Table(np.where(measured.valid, material.values, INVALID), material.grid)
+    picture = transport.render(transport.load(arguments.scene), material)
+    pictures.write_exr(arguments.output, picture)
+    png = pictures.tone_map(picture[..., :3], arguments.exposure, arguments.gamma)
+    pictures.write_png(Path(arguments.output).with_suffix(".png"), png)

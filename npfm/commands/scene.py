@@ -1,0 +1,44 @@
+"""``npfm scene``."""
+
+import argparse
+from pathlib import Path
+
+from npfm import assembly, effects, scenes, transport
+from npfm.grid import MERL
+from npfm.lights import environment
+
+EXAMPLE = """\
+example:
+  python -m npfm scene --light grace.exr --objects sphere -o scene-a
+  python -m npfm scene --light ennis.exr --objects figure sphere --mesh buddha.ply \\
+      --effects visibility antialiasing -o scene-b
+writes a folder with the transport matrix: for every pixel, the weight (radiance per BRDF, the BRDF
+in 1/sr) of each cell of a MERL table. Rendering is then one product a material.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.epilog = EXAMPLE
+    parser.add_argument("--light", required=True, help="lat-long EXR, made by npfm light")
+    parser.add_argument("--objects", nargs="+", required=True, help=" and ".join(scenes.OBJECTS))
+    parser.add_argument("--effects", nargs="+", default=[], help=" and ".join(effects.EFFECTS))
+    parser.add_argument("--mesh", type=Path, help="PLY file of the figure (default: our own shape)")
+    parser.add_argument(
+        "--resolution", type=int, default=128, help="pixels along one side (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--samples", type=int, default=4096, help="light directions a pixel (default: %(default)s)"
+    )
+    parser.add_argument("--seed", type=int, default=1, help="seed of the sampling (default: 1)")
+    parser.add_argument("-o", "--output", required=True, help="folder to write")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Build the transport matrix."""
+    scene = scenes.Scene(tuple(arguments.objects), tuple(arguments.effects), arguments.mesh)
+    light = environment.read(arguments.light)
+    matrix = assembly.build(
+        scene, light, MERL, arguments.resolution, arguments.samples, arguments.seed
+    )
+    transport.save(arguments.output, matrix)

@@ -1,0 +1,19 @@
+"""Tables from what a person names on the command line."""
+
+from pathlib import Path
+
+from npfm import fits, variants
+from npfm.fits import Fit
+from npfm.merl import Table, read_binary
+
+
+def tabulate(fit: Fit) -> Table:
+    """Values of a fit, by the model that made it."""
+    return variants.model(fit.model).tabulate(fit)
+
+
+def table(path: str | Path) -> Table:
+    """Return the table of a MERL ``.binary`` file, or of a fit (``.npz``)."""
+    if Path(path).suffix == ".npz":
+        return tabulate(fits.load(path))
+    return read_binary(path)

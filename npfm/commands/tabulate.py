@@ -1,0 +1,26 @@
+"""``npfm tabulate``."""
+
+import argparse
+
+from npfm import fits
+from npfm.commands.sources import tabulate
+from npfm.merl import write_binary
+
+EXAMPLE = """\
+example:
+  python -m npfm tabulate chrome.npz -o chrome-fitted.binary
+writes the fit's values at all cells of the MERL grid, a BRDF in 1/sr in MERL's own scaling, for any
+program that reads MERL files.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.epilog = EXAMPLE
+    parser.add_argument("fit", help="fit (.npz)")
+    parser.add_argument("-o", "--output", required=True, help="MERL .binary file to write")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Tabulate the fit."""
+    write_binary(arguments.output, tabulate(fits.load(arguments.fit)))

@@ -1,0 +1,211 @@
+"""The configuration of a run, checked, and what follows from it for the workflow's rules."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import yaml
+
+from npfm import variants
+from npfm.datasets import directory, neural, synthetic
+from npfm.datasets.names import MERL_NAMES, select
+from npfm.errors import NpfmError, suggest
+
+SCHEMA = Path(__file__).parents[1] / "workflow" / "schemas" / "config.schema.yaml"
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A model with the settings it is fitted with; `options` are those of ``npfm fit``."""
+
+    name: str
+    model: str
+    options: str
+
+
+@dataclass(frozen=True)
+class Run:
+    """A checked configuration.
+
+    Parameters
+    ----------
+    config : mapping
+        The configuration as Snakemake merged it.
+    materials : tuple of str
+        Names of the materials, sorted.
+    variants : dict of str to Variant
+        In the order of the configuration.
+    """
+
+    config: Mapping[str, Any]
+    materials: tuple[str, ...]
+    variants: Mapping[str, Variant]
+
+    @property
+    def folder(self) -> str:
+        """Where the results go."""
+        return f"results/{self.config['name']}"
+
+    @property
+    def scenes(self) -> tuple[str, ...]:
+        """Names of the scenes."""
+        return tuple(self.config["scenes"])
+
+    def user_file(self, path: str) -> str:
+        """Return a path of the user's, relative ones starting from the key `data`."""
+        return str(Path(self.config["data"]) / path)
+
+    def material_inputs(self, name: str) -> list[str]:
+        """Files that a material is made from."""
+        dataset = self.config["dataset"]
+        match dataset["kind"]:
+            case "neural":
+                return [self.user_file(dataset["path"])]
+            case "merl":
+                file = Path(self.user_file(dataset["path"])) / f"{name}.binary"
+                return [str(file)] if file.exists() or "url" not in dataset else []
+            case _:
+                return []
+
+    def material_options(self, name: str) -> str:
+        """Arguments of ``npfm material`` for a material."""
+        dataset = self.config["dataset"]
+        if dataset["kind"] == "synthetic":
+            return f"--synthetic {name} --seed {self.config['seed']}"
+        path = self.user_file(dataset["path"])
+        url = f" --url '{dataset['url']}'" if "url" in dataset else ""
+        return f"--{dataset['kind']} {name} --from '{path}'{url}"
+
+    def light_inputs(self, name: str) -> list[str]:
+        """Files that a light is made from."""
+        light = self.config["lights"][name]
+        return [self.user_file(light["file"])] if "file" in light else []
+
+    def light_options(self, name: str) -> str:
+        """Arguments of ``npfm light`` for a light."""
+        light = self.config["lights"][name]
+        source = (
+            f"'{self.user_file(light['file'])}' --layout {light['layout']}"
+            if "file" in light
+            else f"--generate {light['generate']}"
+        )
+        return f"{source} --height {self.config['light_height']}"
+
+    def mesh(self, scene: str) -> list[str]:
+        """The mesh of a scene's figure: one path, or none."""
+        mesh = self.config["scenes"][scene].get("mesh")
+        return [self.user_file(mesh)] if mesh else []
+
+    def tone(self, scene: str) -> str:
+        """Arguments of ``npfm render`` for the PNG of a scene."""
+        described = self.config["scenes"][scene]
+        return f"--exposure {described['exposure']} --gamma {described['gamma']}"
+
+    def scene_options(self, scene: str) -> str:
+        """Arguments of ``npfm scene`` for a scene."""
+        described, picture = self.config["scenes"][scene], self.config["picture"]
+        effects = " ".join(described["effects"])
+        return (
+            f"--objects {' '.join(described['objects'])}"
+            + (f" --effects {effects}" if effects else "")
+            + "".join(f" --mesh '{mesh}'" for mesh in self.mesh(scene))
+            + f" --resolution {picture['resolution']} --samples {picture['samples']}"
+            + f" --seed {self.config['seed']}"
+        )
+
+
+def check(config: Mapping[str, Any]) -> Run:
+    """Check a configuration and work out the materials and variants.
+
+    Parameters
+    ----------
+    config : mapping
+        The merged configuration.
+
+    Raises
+    ------
+    NpfmError
+        If a key is unknown or missing, a value is not allowed, or a name stands for nothing.
+    """
+    _check_schema(config)
+    named = _variants(config)
+    for name, light in config["lights"].items():
+        if ("generate" in light) == ("file" in light) or ("file" in light) != ("layout" in light):
+            raise NpfmError(
+                f"config: lights/{name} needs either 'generate', or 'file' and 'layout'"
+            )
+    for scene, described in config["scenes"].items():
+        if described["light"] not in config["lights"]:
+            hint = suggest(described["light"], config["lights"])
+            raise NpfmError(
+                f"config: scenes/{scene}/light: unknown light '{described['light']}'; {hint}"
+            )
+        _check_scene(scene, described)
+    return Run(config, tuple(select(config["dataset"]["materials"], _available(config))), named)
+
+
+def _check_schema(config: Mapping[str, Any]) -> None:
+    schema = yaml.safe_load(SCHEMA.read_text())
+    errors = jsonschema.Draft202012Validator(schema).iter_errors(config)
+    error = jsonschema.exceptions.best_match(errors)
+    if error is None:
+        return
+    where = "/".join(map(str, error.absolute_path)) or "top level"
+    if error.validator == "additionalProperties":
+        known = error.schema.get("properties", {})
+        key = next(key for key in error.instance if key not in known)
+        raise NpfmError(f"config: {where}: unknown key '{key}'; {suggest(key, known)}")
+    raise NpfmError(f"config: {where}: {error.message}; see docs/configuration.md")
+
+
+def _check_scene(name: str, described: Mapping[str, Any]) -> None:
+    from npfm.scenes import Scene
+
+    try:
+        Scene(tuple(described["objects"]), tuple(described["effects"]))
+    except NpfmError as error:
+        raise NpfmError(f"config: scenes/{name}: {error}") from error
+
+
+def _variants(config: Mapping[str, Any]) -> dict[str, Variant]:
+    named: dict[str, Variant] = {}
+    for entry in config["variants"]:
+        entry = {"name": entry, "model": entry} if isinstance(entry, str) else entry
+        if entry["model"] not in variants.MODELS:
+            hint = suggest(entry["model"], variants.MODELS)
+            raise NpfmError(f"config: variants: unknown variant '{entry['model']}'; {hint}")
+        if entry["name"] in named or entry["name"] == "measured":
+            raise NpfmError(
+                f"config: variants: the name '{entry['name']}' is taken; give this one another"
+            )
+        objective = config["objective"] | entry.get("objective", {})
+        solver = config["solver"] | entry.get("solver", {})
+        if solver["method"] not in variants.SOLVERS:
+            hint = suggest(solver["method"], variants.SOLVERS)
+            raise NpfmError(f"config: solver: unknown solver '{solver['method']}'; {hint}")
+        options = (
+            f"--variant {entry['model']} --solver {solver['method']}"
+            f" --tolerance {solver['tolerance']} --max-iterations {solver['max_iterations']}"
+            f" --max-angle {objective['max_angle']}"
+            + ("" if objective["compressive"] else " --no-compressive")
+            + f" --seed {config['seed']}"
+        )
+        named[entry["name"]] = Variant(entry["name"], entry["model"], options)
+    return named
+
+
+def _available(config: Mapping[str, Any]) -> list[str]:
+    dataset = config["dataset"]
+    if dataset["kind"] == "synthetic":
+        return synthetic.materials()
+    if "path" not in dataset:
+        raise NpfmError(f"config: dataset: kind '{dataset['kind']}' needs a 'path'")
+    path = Path(config["data"]) / dataset["path"]
+    if dataset["kind"] == "neural":
+        return neural.materials(path)
+    if "url" in dataset:
+        here = directory.materials(path) if path.is_dir() else []
+        return sorted({*MERL_NAMES, *here})
+    return directory.materials(path)
