@@ -2,8 +2,9 @@
 
 import sys
 
-from npfm.config import check
+from npfm.config import check, prefer_this_python
 from npfm.errors import NpfmError
+from npfm.provenance import digest
 
 
 configfile: "config.yaml"
@@ -15,7 +16,7 @@ except NpfmError as error:
     sys.exit(f"npfm: {error}")
 
 OUT = RUN.folder
-NPFM = f"{sys.executable} -m npfm"
+prefer_this_python()
 
 
 wildcard_constraints:

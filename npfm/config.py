@@ -1,5 +1,7 @@
 """The configuration of a run, checked, and what follows from it for the workflow's rules."""
 
+import os
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +14,7 @@ from npfm import variants
 from npfm.datasets import directory, neural, synthetic
 from npfm.datasets.names import MERL_NAMES, select
 from npfm.errors import NpfmError, suggest
+from npfm.provenance import digest
 
 SCHEMA = Path(__file__).parents[1] / "workflow" / "schemas" / "config.schema.yaml"
 
@@ -22,6 +25,7 @@ class Variant:
 
     name: str
     model: str
+    solver: str
     options: str
 
 
@@ -53,6 +57,12 @@ class Run:
         """Names of the scenes."""
         return tuple(self.config["scenes"])
 
+    @property
+    def orders(self) -> list[str]:
+        """Orders of Figure 8 that the variants allow: each is that of one variant."""
+        orders = {"naive": "diffuseness", "independent-g": "error"}
+        return [order for variant, order in orders.items() if variant in self.variants]
+
     def user_file(self, path: str) -> str:
         """Return a path of the user's, relative ones starting from the key `data`."""
         return str(Path(self.config["data"]) / path)
@@ -77,6 +87,33 @@ class Run:
         path = self.user_file(dataset["path"])
         url = f" --url '{dataset['url']}'" if "url" in dataset else ""
         return f"--{dataset['kind']} {name} --from '{path}'{url}"
+
+    def material_code(self) -> str:
+        """Digest of the code that makes materials."""
+        kind = self.config["dataset"]["kind"]
+        module = "directory" if kind == "merl" else kind
+        entries = (f"npfm.datasets.{module}", "npfm.merl")
+        return digest(entries, ("npfm.commands.material",))
+
+    def fit_code(self, variant: str) -> str:
+        """Digest of the code that fits a variant: its model, and its solver if it uses one."""
+        chosen = self.variants[variant]
+        entries = [_module(chosen.model), "npfm.fits", "npfm.merl"]
+        if chosen.model not in variants.CLOSED_FORM:
+            entries.append(f"npfm.solvers.{chosen.solver.replace('-', '_')}")
+        return digest(tuple(entries), ("npfm.commands.fit",))
+
+    def render_code(self, variant: str) -> str:
+        """Digest of the code that renders a variant, or the measurement."""
+        entries = ["npfm.transport", "npfm.pictures", "npfm.fits"]
+        if variant in self.variants:
+            entries.append(_module(self.variants[variant].model))
+        return digest(tuple(entries), ("npfm.commands.render", "npfm.commands.sources"))
+
+    def light_code(self, name: str) -> str:
+        """Digest of the code that makes a light."""
+        kind = "formats" if "file" in self.config["lights"][name] else "generated"
+        return digest((f"npfm.lights.{kind}",), ("npfm.commands.light",))
 
     def light_inputs(self, name: str) -> list[str]:
         """Files that a light is made from."""
@@ -114,6 +151,15 @@ class Run:
             + f" --resolution {picture['resolution']} --samples {picture['samples']}"
             + f" --seed {self.config['seed']}"
         )
+
+
+def prefer_this_python() -> None:
+    """Let jobs find the Python that runs the workflow first, its environment active or not."""
+    os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+
+
+def _module(model: str) -> str:
+    return f"npfm.models.{model.replace('-', '_')}"
 
 
 def check(config: Mapping[str, Any]) -> Run:
@@ -192,7 +238,7 @@ def _variants(config: Mapping[str, Any]) -> dict[str, Variant]:
             + ("" if objective["compressive"] else " --no-compressive")
             + f" --seed {config['seed']}"
         )
-        named[entry["name"]] = Variant(entry["name"], entry["model"], options)
+        named[entry["name"]] = Variant(entry["name"], entry["model"], solver["method"], options)
     return named
 
 

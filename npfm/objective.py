@@ -4,6 +4,7 @@ Bagher et al. 2016, section 4.1: E = sum_j w_j (rho_j - rho*_j)^2 with w = w_V w
 """
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +58,7 @@ class Samples:
     floor: float
     grid: Grid
 
-    @property
+    @cached_property
     def energy(self) -> float:
         """Objective of the model that is 0 everywhere; relative objectives are shares of it."""
         return self.floor + float(np.vdot(self.weight, self.value**2))
@@ -83,6 +84,12 @@ def importance(grid: Grid) -> NDArray[np.float64]:
     """Weight w_I = cos(theta_i) cos(theta_o) of each cell, 0 below the horizon (equation 10)."""
     cos_i, cos_o = grid.cosines
     return np.maximum(cos_i, 0) * np.maximum(cos_o, 0)
+
+
+@lru_cache(maxsize=2)
+def _geometric_weight(grid: Grid, max_angle: float) -> NDArray[np.float64]:
+    """w_V w_I of the cells that count, 0 elsewhere."""
+    return np.where(counted(grid, max_angle), volume_form(grid) * importance(grid), 0.0)
 
 
 def compressive_weight(relative: NDArray) -> NDArray[np.float64]:
@@ -114,7 +121,7 @@ def weighted_median(value: NDArray, weight: NDArray) -> float:
     value, weight = value[counts], weight[counts]
     if value.size == 0:
         raise ValueError("the weighted median of no samples is not defined")
-    order = np.argsort(value, kind="stable")
+    order = np.argsort(value)
     reached = np.cumsum(weight[order])
     return float(value[order][np.searchsorted(reached, reached[-1] / 2)])
 
@@ -144,14 +151,15 @@ def channel_samples(table: Table, channel: int, objective: Objective) -> Samples
         If no sample of the channel counts.
     """
     measured = table.values[channel]
-    usable = counted(table.grid, objective.max_angle) & (measured >= 0)
+    weight = _geometric_weight(table.grid, objective.max_angle)
+    usable = (weight > 0) & (measured >= 0)
     if not usable.any():
         raise NpfmError(
             f"the {CHANNELS[channel]} channel has no valid sample at theta_i and theta_o up to "
             f"{objective.max_angle:g} degrees; nothing can be fitted to it"
         )
     value = np.where(usable, measured, 0.0)
-    weight = np.where(usable, volume_form(table.grid) * importance(table.grid), 0.0)
+    weight = np.where(usable, weight, 0.0)
     scale = weighted_median(value, weight) or 1.0
     value = value / scale
     if objective.compressive:

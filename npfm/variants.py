@@ -9,6 +9,8 @@ from npfm.solvers.problem import Solve, Solver
 #: Models in the order of the paper's Figure 8, best average first.
 MODELS = ("bivariate", "independent-g", "g-from-d", "naive")
 SOLVERS = ("gauss-newton", "awls")
+#: Models whose minimum needs no solver.
+CLOSED_FORM = ("bivariate",)
 
 
 def model(name: str) -> ModuleType:

@@ -1,19 +1,28 @@
 rule figure08:
     input:
         psnr=rules.psnr_table.output,
-        materials=rules.materials_table.output,
+        materials=lambda wildcards: (
+            rules.materials_table.output if wildcards.order == "diffuseness" else []
+        ),
     output:
-        f"{OUT}/figures/figure08_by_{{order}}.pdf",
-        f"{OUT}/figures/figure08_by_{{order}}.png",
-    wildcard_constraints:
-        order="diffuseness|error",
+        pdf=f"{OUT}/figures/figure08_by_{{order}}.pdf",
+        png=f"{OUT}/figures/figure08_by_{{order}}.png",
     log:
         f"{OUT}/logs/figures/figure08_by_{{order}}.log",
+    wildcard_constraints:
+        order="diffuseness|error",
+    conda:
+        "../envs/npfm.yaml"
     resources:
         mem_mb=500,
+    params:
+        code=digest(("npfm.figures.figure08",), ("npfm.commands.figure",)),
+        materials=lambda wildcards, input: (
+            f"--materials {input.materials}" if input.materials else ""
+        ),
     shell:
-        "{NPFM} figure figure08 --psnr {input.psnr} --materials {input.materials}"
-        " --order {wildcards.order} -o {output} 2> >(tee {log} >&2)"
+        "python -m npfm figure figure08 --psnr {input.psnr} {params.materials}"
+        " --order {wildcards.order} -o {output.pdf} {output.png} 2> {log}"
 
 
 rule table1:
@@ -23,13 +32,17 @@ rule table1:
         f"{OUT}/figures/table1.csv",
     log:
         f"{OUT}/logs/figures/table1.log",
+    conda:
+        "../envs/npfm.yaml"
     resources:
         mem_mb=500,
+    params:
+        code=TABLES_CODE,
     shell:
-        "{NPFM} tables table1 --fits {input} -o {output} 2> >(tee {log} >&2)"
+        "python -m npfm tables table1 --fits {input} -o {output} 2> {log}"
 
 
 rule figures:
     input:
-        expand(rules.figure08.output, order=["diffuseness", "error"]),
+        expand(rules.figure08.output, order=RUN.orders),
         rules.table1.output,

@@ -4,11 +4,14 @@ rule fit:
     output:
         fit=f"{OUT}/fits/{{variant}}/{{material}}.npz",
         record=f"{OUT}/fits/{{variant}}/{{material}}.json",
-    params:
-        options=lambda wildcards: RUN.variants[wildcards.variant].options,
     log:
         f"{OUT}/logs/fit/{{variant}}/{{material}}.log",
+    conda:
+        "../envs/npfm.yaml"
     resources:
         mem_mb=1000,
+    params:
+        code=lambda wildcards: RUN.fit_code(wildcards.variant),
+        options=lambda wildcards: RUN.variants[wildcards.variant].options,
     shell:
-        "{NPFM} fit {input} {params.options} -o {output.fit} 2> >(tee {log} >&2)"
+        "python -m npfm fit {input} {params.options} -o {output.fit} 2> {log}"

@@ -3,11 +3,14 @@ rule material:
         lambda wildcards: RUN.material_inputs(wildcards.material),
     output:
         f"{OUT}/materials/{{material}}.binary",
-    params:
-        options=lambda wildcards: RUN.material_options(wildcards.material),
     log:
         f"{OUT}/logs/material/{{material}}.log",
+    conda:
+        "../envs/npfm.yaml"
     resources:
         mem_mb=800,
+    params:
+        code=RUN.material_code(),
+        options=lambda wildcards: RUN.material_options(wildcards.material),
     shell:
-        "{NPFM} material {params.options} -o {output} 2> >(tee {log} >&2)"
+        "python -m npfm material {params.options} -o {output} 2> {log}"

@@ -3,16 +3,19 @@ rule render_measured:
         scene=rules.scene.output,
         table=rules.material.output,
     output:
-        f"{OUT}/renders/{{scene}}/{{material}}/measured.exr",
-        f"{OUT}/renders/{{scene}}/{{material}}/measured.png",
-    params:
-        tone=lambda wildcards: RUN.tone(wildcards.scene),
+        exr=f"{OUT}/renders/{{scene}}/{{material}}/measured.exr",
+        png=f"{OUT}/renders/{{scene}}/{{material}}/measured.png",
     log:
         f"{OUT}/logs/render/{{scene}}/{{material}}/measured.log",
+    conda:
+        "../envs/npfm.yaml"
     resources:
         mem_mb=2000,
+    params:
+        code=RUN.render_code("measured"),
+        tone=lambda wildcards: RUN.tone(wildcards.scene),
     shell:
-        "{NPFM} render {input.scene} {input.table} {params.tone} -o {output[0]} 2> >(tee {log} >&2)"
+        "python -m npfm render {input.scene} {input.table} {params.tone} -o {output.exr} 2> {log}"
 
 
 rule render_fit:
@@ -21,17 +24,20 @@ rule render_fit:
         fit=rules.fit.output.fit,
         table=rules.material.output,
     output:
-        f"{OUT}/renders/{{scene}}/{{material}}/{{variant}}.exr",
-        f"{OUT}/renders/{{scene}}/{{material}}/{{variant}}.png",
-    params:
-        tone=lambda wildcards: RUN.tone(wildcards.scene),
+        exr=f"{OUT}/renders/{{scene}}/{{material}}/{{variant}}.exr",
+        png=f"{OUT}/renders/{{scene}}/{{material}}/{{variant}}.png",
     log:
         f"{OUT}/logs/render/{{scene}}/{{material}}/{{variant}}.log",
+    conda:
+        "../envs/npfm.yaml"
     resources:
         mem_mb=2000,
+    params:
+        code=lambda wildcards: RUN.render_code(wildcards.variant),
+        tone=lambda wildcards: RUN.tone(wildcards.scene),
     shell:
-        "{NPFM} render {input.scene} {input.fit} --measured {input.table} {params.tone}"
-        " -o {output[0]} 2> >(tee {log} >&2)"
+        "python -m npfm render {input.scene} {input.fit} --measured {input.table} {params.tone}"
+        " -o {output.exr} 2> {log}"
 
 
 ruleorder: render_measured > render_fit

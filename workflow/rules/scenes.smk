@@ -3,14 +3,17 @@ rule light:
         lambda wildcards: RUN.light_inputs(wildcards.light),
     output:
         f"{OUT}/lights/{{light}}.exr",
-    params:
-        options=lambda wildcards: RUN.light_options(wildcards.light),
     log:
         f"{OUT}/logs/light/{{light}}.log",
+    conda:
+        "../envs/npfm.yaml"
     resources:
         mem_mb=1000,
+    params:
+        code=lambda wildcards: RUN.light_code(wildcards.light),
+        options=lambda wildcards: RUN.light_options(wildcards.light),
     shell:
-        "{NPFM} light {params.options} -o {output} 2> >(tee {log} >&2)"
+        "python -m npfm light {params.options} -o {output} 2> {log}"
 
 
 rule scene:
@@ -19,11 +22,14 @@ rule scene:
         mesh=lambda wildcards: RUN.mesh(wildcards.scene),
     output:
         directory(f"{OUT}/scenes/{{scene}}"),
-    params:
-        options=lambda wildcards: RUN.scene_options(wildcards.scene),
     log:
         f"{OUT}/logs/scene/{{scene}}.log",
+    conda:
+        "../envs/npfm.yaml"
     resources:
         mem_mb=3000,
+    params:
+        code=digest(("npfm.assembly", "npfm.transport"), ("npfm.commands.scene",)),
+        options=lambda wildcards: RUN.scene_options(wildcards.scene),
     shell:
-        "{NPFM} scene --light {input.light} {params.options} -o {output} 2> >(tee {log} >&2)"
+        "python -m npfm scene --light {input.light} {params.options} -o {output} 2> {log}"

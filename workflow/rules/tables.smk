@@ -4,6 +4,7 @@ RENDERS = expand(
     material=RUN.materials,
     variant=["measured", *RUN.variants],
 )
+TABLES_CODE = digest(("npfm.tables",), ("npfm.commands.tables",))
 MATERIALS = f"--run {OUT} --materials {' '.join(RUN.materials)}"
 VARIANTS = f"--variants {' '.join(RUN.variants)}"
 
@@ -13,14 +14,17 @@ rule psnr_table:
         RENDERS,
     output:
         f"{OUT}/tables/psnr.csv",
-    params:
-        names=f"{MATERIALS} {VARIANTS} --scenes {' '.join(RUN.scenes)}",
     log:
         f"{OUT}/logs/tables/psnr.log",
+    conda:
+        "../envs/npfm.yaml"
     resources:
         mem_mb=500,
+    params:
+        code=TABLES_CODE,
+        names=f"{MATERIALS} {VARIANTS} --scenes {' '.join(RUN.scenes)}",
     shell:
-        "{NPFM} tables psnr {params.names} -o {output} 2> >(tee {log} >&2)"
+        "python -m npfm tables psnr {params.names} -o {output} 2> {log}"
 
 
 rule fits_table:
@@ -28,14 +32,17 @@ rule fits_table:
         expand(rules.fit.output.record, material=RUN.materials, variant=RUN.variants),
     output:
         f"{OUT}/tables/fits.csv",
-    params:
-        names=f"{MATERIALS} {VARIANTS}",
     log:
         f"{OUT}/logs/tables/fits.log",
+    conda:
+        "../envs/npfm.yaml"
     resources:
         mem_mb=500,
+    params:
+        code=TABLES_CODE,
+        names=f"{MATERIALS} {VARIANTS}",
     shell:
-        "{NPFM} tables fits {params.names} -o {output} 2> >(tee {log} >&2)"
+        "python -m npfm tables fits {params.names} -o {output} 2> {log}"
 
 
 rule materials_table:
@@ -43,14 +50,17 @@ rule materials_table:
         expand(rules.fit.output.fit, material=RUN.materials, variant="naive"),
     output:
         f"{OUT}/tables/materials.csv",
-    params:
-        names=MATERIALS,
     log:
         f"{OUT}/logs/tables/materials.log",
+    conda:
+        "../envs/npfm.yaml"
     resources:
         mem_mb=500,
+    params:
+        code=TABLES_CODE,
+        names=MATERIALS,
     shell:
-        "{NPFM} tables materials {params.names} -o {output} 2> >(tee {log} >&2)"
+        "python -m npfm tables materials {params.names} -o {output} 2> {log}"
 
 
 rule summary_table:
@@ -59,19 +69,22 @@ rule summary_table:
         records=rules.fits_table.input,
     output:
         f"{OUT}/tables/summary.csv",
-    params:
-        names=f"{MATERIALS} {VARIANTS}",
     log:
         f"{OUT}/logs/tables/summary.log",
+    conda:
+        "../envs/npfm.yaml"
     resources:
         mem_mb=500,
+    params:
+        code=TABLES_CODE,
+        run=f"--run {OUT}",
     shell:
-        "{NPFM} tables summary --psnr {input.psnr} {params.names} -o {output} 2> >(tee {log} >&2)"
+        "python -m npfm tables summary {params.run} --psnr {input.psnr} -o {output} 2> {log}"
 
 
 rule tables:
     input:
         rules.psnr_table.output,
         rules.fits_table.output,
-        rules.materials_table.output,
         rules.summary_table.output,
+        rules.materials_table.output if "naive" in RUN.variants else [],

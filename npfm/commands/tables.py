@@ -1,0 +1,77 @@
+"""``npfm tables``."""
+
+import argparse
+
+from npfm import tables
+
+#: What each table holds, and what it is made from.
+KINDS = {
+    "psnr": (
+        "PSNR in dB of every picture against that of the measurement",
+        ("run", "scenes", "materials", "variants"),
+    ),
+    "fits": (
+        "seconds, iterations and objective (share of the zero model's) of every fitted channel",
+        ("run", "materials", "variants"),
+    ),
+    "materials": (
+        "diffuseness of every material, dimensionless: equation 19 of the naive fit",
+        ("run", "materials"),
+    ),
+    "summary": (
+        "mean and median PSNR in dB and size in bytes of every variant, beside the paper's",
+        ("run", "psnr"),
+    ),
+    "table1": ("seconds and counts of our fits, beside the paper's Table I", ("fits",)),
+}
+#: How each of those is declared, and a value for the example.
+SOURCES = {
+    "run": ({"help": "folder of the run"}, "results/smoke"),
+    "scenes": ({"nargs": "+", "help": "the scenes that count, in order"}, "A D"),
+    "materials": ({"nargs": "+", "help": "the materials that count, in order"}, "chrome felt"),
+    "variants": ({"nargs": "+", "help": "the variants that count, in order"}, "naive bivariate"),
+    "psnr": ({"help": "CSV made by npfm tables psnr; what it lists counts"}, "psnr.csv"),
+    "fits": ({"help": "CSV made by npfm tables fits"}, "fits.csv"),
+}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.epilog = _example("psnr")
+    kinds = parser.add_subparsers(dest="table", required=True, metavar="table")
+    for kind, (contents, sources) in KINDS.items():
+        chosen = kinds.add_parser(
+            kind,
+            help=contents,
+            description=f"{contents[0].upper()}{contents[1:]}.",
+            epilog=_example(kind),
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        for source in sources:
+            chosen.add_argument(f"--{source}", required=True, **SOURCES[source][0])
+        chosen.add_argument("-o", "--output", required=True, help="CSV to write")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Gather the table, and write it."""
+    a = arguments
+    match a.table:
+        case "psnr":
+            table = tables.psnr(a.run, a.scenes, a.materials, a.variants)
+        case "fits":
+            table = tables.fits(a.run, a.materials, a.variants)
+        case "materials":
+            table = tables.materials(a.run, a.materials)
+        case "summary":
+            psnr = tables.read_psnr(a.psnr)
+            sizes = tables.sizes(a.run, psnr["material"].unique(), psnr["variant"].unique())
+            table = tables.summary(psnr, sizes)
+        case "table1":
+            text, numbers = ["material", "variant"], ["seconds", "iterations", "gss_calls"]
+            table = tables.table1(tables.read(a.fits, text, numbers))
+    tables.write(a.output, table)
+
+
+def _example(kind: str) -> str:
+    options = " ".join(f"--{source} {SOURCES[source][1]}" for source in KINDS[kind][1])
+    return f"example:\n  python -m npfm tables {kind} {options} -o {kind}.csv\n"

@@ -1,0 +1,1 @@
+"""The figures, one file each: functions from tidy tables to a matplotlib `Figure`."""

@@ -1,0 +1,164 @@
+"""Figure 8 of Bagher et al. 2016: rendering errors across all materials."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from npfm.errors import NpfmError
+from npfm.figures import style
+
+REFERENCE_VARIANT = "independent-g"  # whose error sorts the materials in the paper
+#: What stands below the axis.
+ORDERS = {
+    "diffuseness": "material, by increasing diffuseness (equation 19)",
+    "error": f"material, by decreasing error of {REFERENCE_VARIANT}",
+}
+MEAN_HEIGHT, SCENE_HEIGHT, LINE_HEIGHT = 2.1, 1.1, 0.15  # inches
+AXIS_WIDTH = 6.3  # inches, of the page's width after the labels
+TEXT_SIZE = style.SETTINGS["font.size"]  # points
+LETTER = 0.6  # width of a letter, of its size
+LEGEND_MARK = 0.45  # inches, of a column of the legend besides the text
+POINTS = 72  # an inch
+
+
+def by_diffuseness(psnr: pd.DataFrame, materials: pd.DataFrame) -> list[str]:
+    """Sort the materials by increasing diffuseness.
+
+    Parameters
+    ----------
+    psnr, materials : DataFrame
+        Columns material, ...; and material, diffuseness.
+
+    Raises
+    ------
+    NpfmError
+        If the diffuseness of a material is not known.
+    """
+    names = psnr["material"].unique()
+    if unknown := sorted(set(names) - set(materials["material"])):
+        raise NpfmError(
+            f"no diffuseness of {', '.join(unknown)}; give them to npfm tables materials as well"
+        )
+    ranked = materials[materials["material"].isin(names)].sort_values(["diffuseness", "material"])
+    return list(ranked["material"])
+
+
+def by_error(psnr: pd.DataFrame) -> list[str]:
+    """Sort the materials by decreasing error, increasing mean PSNR, of independent-g.
+
+    Materials without one come last, after those whose pictures are equal to the reference.
+
+    Raises
+    ------
+    NpfmError
+        If independent-g is not in the table.
+    """
+    if REFERENCE_VARIANT not in set(psnr["variant"]):
+        raise NpfmError(
+            f"no PSNR of {REFERENCE_VARIANT} to sort by; give it to npfm tables psnr as well"
+        )
+    mean = _panels(psnr)[0][REFERENCE_VARIANT]
+    return list(mean.sort_index().sort_values(kind="stable", na_position="last").index)
+
+
+def draw(psnr: pd.DataFrame, order: Sequence[str], order_label: str) -> Figure:
+    """Draw PSNR over materials: the mean over the scenes, and below it every scene.
+
+    What is missing or infinite is left out as a gap, and counted in the legend.
+
+    Parameters
+    ----------
+    psnr : DataFrame
+        Columns scene, material, variant, psnr_db.
+    order : sequence of str
+        Materials from left to right.
+    order_label : str
+        What that order is, for the axis.
+    """
+    mean, scenes = _panels(psnr)
+    panels = {f"scene {name}": panel for name, panel in scenes.items()}
+    if len(panels) > 1:
+        panels = {f"mean over the scenes {', '.join(scenes)}": mean, **panels}
+    panels = {title: panel.reindex(order) for title, panel in panels.items()}
+    legend = [_legend_entry(values) for _, values in mean.reindex(order).items()]
+    name_size = min(TEXT_SIZE, 0.9 * AXIS_WIDTH * POINTS / len(order))
+    names_height = LETTER * name_size * max(map(len, order)) / POINTS
+    columns = _legend_columns(legend)
+    with style.context():
+        figure, axes = _axes(len(panels), names_height, 1 + -(-len(legend) // columns))
+        for ax, (title, panel) in zip(axes, panels.items(), strict=True):
+            _draw_panel(ax, panel, title)
+        axes[-1].set_xticks(range(len(order)), order, rotation=90, fontsize=name_size)
+        axes[-1].set_xlabel(order_label)
+        figure.legend(
+            axes[0].get_lines(),
+            legend,
+            title="variant: mean PSNR over the materials drawn",
+            loc="outside upper center",
+            ncols=columns,
+            frameon=False,
+        )
+    return figure
+
+
+def _panels(psnr: pd.DataFrame) -> tuple[pd.DataFrame, Mapping[str, pd.DataFrame]]:
+    """PSNR by material and variant: the mean over the scenes, and each scene.
+
+    A mean is missing where the value of any scene is.
+    """
+    variants = psnr["variant"].unique()
+    scenes = {
+        scene: rows.pivot(index="material", columns="variant", values="psnr_db")
+        for scene, rows in psnr.groupby("scene", sort=False)
+    }
+    scenes = {scene: panel.reindex(columns=variants) for scene, panel in scenes.items()}
+    return sum(scenes.values())[variants] / len(scenes), scenes
+
+
+def _axes(panels: int, names_height: float, legend_lines: int) -> tuple[Figure, Sequence[Axes]]:
+    heights = [MEAN_HEIGHT] + [SCENE_HEIGHT] * (panels - 1)
+    height = sum(heights) + names_height + 0.3 + LINE_HEIGHT * legend_lines
+    figure = Figure(figsize=(style.PAGE_WIDTH, height), layout="constrained")
+    axes = figure.subplots(
+        panels, 1, sharex=True, sharey=True, squeeze=False, height_ratios=heights
+    )
+    return figure, axes[:, 0]
+
+
+def _draw_panel(ax: Axes, panel: pd.DataFrame, title: str) -> None:
+    for variant, look in style.looks(panel.columns).items():
+        values = panel[variant].where(np.isfinite(panel[variant]))
+        ax.plot(
+            range(len(values)),
+            values,
+            color=(look.color, 0.5),  # the line only guides the eye from mark to mark
+            marker=look.marker,
+            markerfacecolor=look.color,
+            markeredgewidth=0,
+            linestyle=look.linestyle,
+        )
+    ax.set_title(title, loc="left", pad=2)
+    ax.set_ylabel("PSNR (dB)")
+    ax.margins(x=0.01)
+    ax.grid(True)
+    ax.set_axisbelow(True)
+
+
+def _legend_entry(values: pd.Series) -> str:
+    """Name, mean over what is drawn, and how many materials are not."""
+    drawn = values[np.isfinite(values)]
+    gaps = len(values) - len(drawn)
+    mean = f"{drawn.mean():.2f} dB" if len(drawn) else "nothing finite"
+    return f"{values.name}: {mean}" + (f", {gaps} gap{'s' * (gaps > 1)}" if gaps else "")
+
+
+def _legend_columns(labels: Sequence[str]) -> int:
+    """As many columns as fit the page; matplotlib fills them one after the other."""
+    widths = [LEGEND_MARK + LETTER * TEXT_SIZE * len(label) / POINTS for label in labels]
+    for columns in range(len(widths), 1, -1):
+        if sum(column.max() for column in np.array_split(widths, columns)) < style.PAGE_WIDTH:
+            return columns
+    return 1

@@ -1,0 +1,94 @@
+"""How every figure looks: sizes, fonts, one colour and marker a variant, and how it is saved."""
+
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from itertools import cycle
+from pathlib import Path
+
+import matplotlib.style
+from matplotlib.figure import Figure
+
+from npfm.errors import NpfmError
+from npfm.files import replacing
+
+#: Inches; the text of an ACM Transactions on Graphics page is 7 in wide, a column 3.33 in.
+PAGE_WIDTH = 7.0
+DPI = 300
+SETTINGS = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib: the same glyphs on every machine
+    "font.size": 7,
+    "axes.titlesize": 7,
+    "axes.linewidth": 0.5,
+    "grid.linewidth": 0.3,
+    "grid.color": "0.85",
+    "lines.linewidth": 0.7,
+    "lines.markersize": 2.8,
+    "xtick.major.width": 0.5,
+    "ytick.major.width": 0.5,
+    "xtick.major.size": 2,
+    "ytick.major.size": 2,
+    "pdf.fonttype": 42,  # TrueType: text in the PDF can be searched and edited
+}
+#: What would differ from run to run or from machine to machine is left out of the files.
+METADATA = {
+    ".pdf": {"Creator": None, "Producer": None, "CreationDate": None},
+    ".png": {"Software": None},
+}
+
+
+@dataclass(frozen=True)
+class Look:
+    """How a variant is drawn; the names are matplotlib's."""
+
+    color: str
+    marker: str
+    linestyle: str = "-"
+
+
+# Colours of Okabe and Ito 2008, "Color Universal Design", told apart in all common forms of
+# colour blindness; yellow is left out, it is too pale for thin lines on white.
+LOOKS = {
+    "bivariate": Look("#000000", "s"),
+    "independent-g": Look("#0072B2", "o"),
+    "g-from-d": Look("#E69F00", "^"),
+    "naive": Look("#009E73", "D"),
+}
+#: For other variants in their order: 12 pairs, since 3 and 4 have no common divisor.
+OTHER_COLORS = ("#D55E00", "#CC79A7", "#56B4E9")
+OTHER_MARKERS = ("v", "P", "X", "*")
+
+
+def looks(variants: Sequence[str]) -> dict[str, Look]:
+    """Return the look of each variant: its own where it has one, else the next free one."""
+    others = zip(cycle(OTHER_COLORS), cycle(OTHER_MARKERS), strict=False)
+    return {name: LOOKS.get(name) or Look(*next(others), "--") for name in variants}
+
+
+def context() -> AbstractContextManager:
+    """Return the settings to draw and save under, whatever the user's own settings are."""
+    return matplotlib.style.context(["default", SETTINGS])
+
+
+def save(figure: Figure, paths: Sequence[str | Path]) -> None:
+    """Write a figure; the same figure gives the same bytes.
+
+    Parameters
+    ----------
+    figure : Figure
+        Drawn under `context`.
+    paths : sequence of str or Path
+        Ending in ``.pdf`` (vector) or ``.png`` (300 dpi).
+
+    Raises
+    ------
+    NpfmError
+        If a name ends in something else.
+    """
+    paths = [Path(path) for path in paths]
+    for path in paths:
+        if path.suffix not in METADATA:
+            raise NpfmError(f"{path}: a figure is a .pdf or a .png; change the name's end")
+    for path in paths:
+        with context(), replacing(path) as temporary:
+            figure.savefig(temporary, dpi=DPI, metadata=METADATA[path.suffix])

@@ -1,0 +1,49 @@
+"""How far a picture is from its reference."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+def psnr(picture: ArrayLike, reference: ArrayLike, foreground: ArrayLike) -> float:
+    """Peak signal-to-noise ratio over the foreground, in linear radiance.
+
+    Bagher et al. 2016, section 5: the peak is the largest value of any colour component of any
+    foreground pixel of the reference; the squared error is averaged over all foreground pixels
+    and colour components.
+
+    Parameters
+    ----------
+    picture, reference : array_like, shape (height, width, 3)
+        Linear RGB radiance, before any tone mapping.
+    foreground : array_like of bool, shape (height, width)
+        The pixels directly covered by an object.
+
+    Returns
+    -------
+    float
+        Decibels; infinite when the pictures agree in every foreground pixel.
+
+    Raises
+    ------
+    ValueError
+        If the shapes differ, the foreground is empty, a foreground value is not finite, or the
+        foreground of the reference is black.
+    """
+    picture, reference = (np.asarray(p, dtype=np.float64) for p in (picture, reference))
+    foreground = np.asarray(foreground, dtype=bool)
+    if picture.shape != reference.shape or foreground.shape != reference.shape[:2]:
+        raise ValueError(
+            f"shapes differ: picture {picture.shape}, reference {reference.shape}, "
+            f"foreground {foreground.shape}"
+        )
+    if not foreground.any():
+        raise ValueError(f"none of the {foreground.size} pixels is foreground")
+    picture, reference = picture[foreground], reference[foreground]
+    for name, values in (("picture", picture), ("reference", reference)):
+        if wrong := np.count_nonzero(~np.isfinite(values)):
+            raise ValueError(f"{wrong} foreground values of the {name} are NaN or infinite")
+    peak = reference.max()
+    if peak <= 0:
+        raise ValueError(f"the largest foreground value of the reference is {peak:g}")
+    error = np.mean((picture - reference) ** 2)
+    return float(20 * np.log10(peak) - 10 * np.log10(error)) if error > 0 else float("inf")

@@ -1,0 +1,127 @@
+"""Pictures on disk: linear radiance as OpenEXR, tone-mapped for the eye as PNG."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+from numpy.typing import ArrayLike, NDArray
+from PIL import Image
+
+from npfm.errors import NpfmError
+from npfm.files import replacing
+
+#: First bytes of every OpenEXR file ("OpenEXR File Layout", magic number 20000630).
+EXR_MAGIC = bytes.fromhex("762f3101")
+
+
+def write_exr(
+    path: str | Path, pixels: ArrayLike, attributes: Mapping[str, str | float] | None = None
+) -> None:
+    """Write a picture of linear radiance as an OpenEXR file with float32 channels.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file to write.
+    pixels : array_like, shape (height, width, 3) or (height, width, 4)
+        RGB or RGBA; row 0 is the top.
+    attributes : mapping, optional
+        Text or numbers to be kept in the header (numbers as float32).
+    """
+    header = _header() | dict(attributes or {})
+    with replacing(path) as temporary, OpenEXR.File(header, _channels(pixels)) as file:
+        file.write(str(temporary))
+
+
+def write_exr_parts(path: str | Path, parts: Mapping[str, ArrayLike]) -> None:
+    """Write several pictures as the named parts of one OpenEXR file, to be flipped in a viewer.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file to write.
+    parts : mapping of str to array_like of shape (height, width, 3) or (height, width, 4)
+        Linear RGB or RGBA by name, in the order in which a viewer shows them.
+    """
+    parts_list = [OpenEXR.Part(_header(), _channels(p), name) for name, p in parts.items()]
+    with replacing(path) as temporary, OpenEXR.File(parts_list) as file:
+        file.write(str(temporary))
+
+
+def _header() -> dict:
+    return {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+
+
+def _channels(pixels: ArrayLike) -> dict[str, NDArray[np.float32]]:
+    # OpenEXR reads the memory as it lies: an array that is not contiguous would be scrambled.
+    pixels = np.ascontiguousarray(pixels, dtype=np.float32)
+    names = {3: "RGB", 4: "RGBA"}
+    if pixels.ndim != 3 or pixels.shape[2] not in names:
+        raise ValueError(f"pixels must be of shape (height, width, 3 or 4), not {pixels.shape}")
+    return {names[pixels.shape[2]]: pixels}
+
+
+def read_exr(path: str | Path) -> NDArray[np.float32]:
+    """Read the first part of an OpenEXR file.
+
+    Returns
+    -------
+    ndarray, shape (height, width, 3) or (height, width, 4)
+        RGB or RGBA.
+
+    Raises
+    ------
+    NpfmError
+        If the file is absent, is no OpenEXR file, is damaged, or has no red, green and blue.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise NpfmError(f"{path}: no such file; give the path of an OpenEXR picture")
+    with open(path, "rb") as file:
+        if file.read(len(EXR_MAGIC)) != EXR_MAGIC:
+            raise NpfmError(f"{path}: not an OpenEXR file; give a picture in that format")
+    try:
+        with OpenEXR.File(str(path)) as file:
+            channels = {name: channel.pixels for name, channel in file.channels().items()}
+    except RuntimeError:
+        raise NpfmError(f"{path}: cut off or damaged; make or copy the file again") from None
+    for name in ("RGB", "RGBA"):
+        if name in channels:
+            return channels[name].astype(np.float32, copy=False)
+    raise NpfmError(f"{path}: channels {', '.join(channels)}; red, green and blue are needed")
+
+
+def tone_map(radiance: ArrayLike, exposure: float, gamma: float) -> NDArray[np.uint8]:
+    """Turn linear radiance into display values, for showing only.
+
+    Bagher et al. 2016, section 5: output = (1 - 2^(-exposure x pixel))^(1 / gamma).
+
+    Parameters
+    ----------
+    radiance : array_like
+        Linear radiance; negative values are shown as black.
+    exposure, gamma : float
+        The paper has 0.02 and 2.2, and for its Ennis light 1 and 2.8.
+
+    Returns
+    -------
+    ndarray of uint8
+        Display values of the same shape, 0 to 255.
+    """
+    visible = -np.expm1(-np.log(2) * exposure * np.maximum(radiance, 0.0))
+    return np.rint(255 * visible ** (1 / gamma)).astype(np.uint8)
+
+
+def write_png(path: str | Path, rgb: NDArray[np.uint8]) -> None:
+    """Write display values as a PNG file.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file to write.
+    rgb : ndarray of uint8, shape (height, width, 3)
+        Display values; row 0 is the top.
+    """
+    with replacing(path) as temporary:
+        Image.fromarray(rgb).save(temporary, format="PNG")

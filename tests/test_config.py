@@ -1,0 +1,91 @@
+import copy
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+
+from npfm.config import check
+from npfm.errors import NpfmError
+
+ROOT = Path(__file__).parents[1]
+DEFAULT = yaml.safe_load((ROOT / "config.yaml").read_text())
+
+
+def merged(base, extra):
+    if not isinstance(extra, dict):
+        return extra
+    base = base if isinstance(base, dict) else {}
+    return base | {key: merged(base.get(key), value) for key, value in extra.items()}
+
+
+def configured(**changes):
+    return merged(copy.deepcopy(DEFAULT), changes)
+
+
+def test_the_default_configuration_is_valid_and_needs_no_file():
+    run = check(DEFAULT)
+    assert run.folder == "results/default"
+    assert len(run.materials) >= 12
+    assert list(run.variants) == ["bivariate", "independent-g", "g-from-d", "naive"]
+    assert run.scenes == ("A", "B", "C", "D")
+    assert not any(run.material_inputs(name) for name in run.materials)
+    assert not any(run.light_inputs(light["light"]) for light in DEFAULT["scenes"].values())
+
+
+@pytest.mark.parametrize("preset", sorted((ROOT / "workflow" / "presets").glob("*.yaml")))
+def test_presets_are_valid_and_named_after_their_file(preset, data, tmp_path):
+    changes = yaml.safe_load(preset.read_text()) | {"data": str(data)}
+    if preset.stem == "merl":
+        (tmp_path / "merl").mkdir()
+        (tmp_path / "merl" / "chrome.binary").touch()
+        changes["data"] = str(tmp_path)
+    run = check(configured(**changes))
+    assert run.folder == f"results/{preset.stem}"
+    assert len(run.materials) == {"smoke": 3, "neural-10": 10, "neural": 100, "merl": 1}[preset.stem]
+
+
+def test_a_variant_may_have_settings_of_its_own():
+    plain = {"name": "plain", "model": "naive", "objective": {"compressive": False}}
+    run = check(configured(variants=["naive", plain]))
+    assert "--no-compressive" in run.variants["plain"].options
+    assert "--no-compressive" not in run.variants["naive"].options
+    assert "--variant naive" in run.variants["plain"].options
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"seeed": 1}, r"unknown key 'seeed'; did you mean seed"),
+        ({"solver": {"metod": "awls"}}, r"solver: unknown key 'metod'; did you mean method"),
+        ({"solver": {"method": "newton"}}, r"unknown solver 'newton'; did you mean gauss-newton"),
+        ({"variants": ["niave"]}, r"unknown variant 'niave'; did you mean naive"),
+        ({"variants": ["naive", "naive"]}, r"the name 'naive' is taken"),
+        ({"scenes": {"A": {"effects": ["shadow"]}}}, r"scenes/A: unknown effect 'shadow'"),
+        ({"scenes": {"A": {"objects": ["cube"]}}}, r"scenes/A: unknown object 'cube'"),
+        ({"scenes": {"A": {"light": "groove"}}}, r"unknown light 'groove'; did you mean grove"),
+        ({"scenes": {"E": {"light": "grove"}}}, r"scenes/E: 'objects' is a required property"),
+        ({"lights": {"x": {"file": "x.hdr"}}}, r"lights/x needs either"),
+        ({"dataset": {"materials": ["chalkk"]}}, r"'chalkk'; did you mean chalk"),
+        ({"dataset": {"kind": "neural"}}, r"kind 'neural' needs a 'path'"),
+        ({"dataset": {"kind": "neural", "path": "no.zip"}}, r"no\.zip: no such file"),
+        ({"picture": {"samples": 0}}, r"picture/samples: 0 is less than"),
+    ],
+)
+def test_mistakes_are_told_in_one_line(changes, message):
+    with pytest.raises(NpfmError, match=message) as caught:
+        check(configured(**changes))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_scene_of_its_own_needs_nothing_but_config():
+    scene = DEFAULT["scenes"]["A"] | {"light": "grove", "effects": ["antialiasing"]}
+    run = check(configured(scenes={"E": scene}))
+    assert run.scenes == ("A", "B", "C", "D", "E")
+    assert "--effects antialiasing" in run.scene_options("E")
+
+
+def test_the_conda_environment_lists_the_same_dependencies_as_the_package():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    environment = yaml.safe_load((ROOT / "workflow" / "envs" / "npfm.yaml").read_text())
+    assert environment["dependencies"][-1]["pip"] == project["dependencies"]

@@ -1,0 +1,93 @@
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[2]
+SCENE = {"objects": ["sphere"], "effects": [], "exposure": 0.02, "gamma": 2.2}
+CONFIG = {
+    "name": "tiny",
+    "seed": 1,
+    "data": "data",
+    "dataset": {"kind": "synthetic", "materials": ["chalk"]},
+    "objective": {"compressive": True, "max_angle": 89.0},
+    "solver": {"method": "gauss-newton", "tolerance": 1e-3, "max_iterations": 5},
+    "variants": ["bivariate", "naive", {"name": "old", "model": "naive", "solver": {"method": "awls"}}],
+    "lights": {name: {"generate": name} for name in ("cathedral", "grove")},
+    "light_height": 16,
+    "scenes": {
+        "A": SCENE | {"light": "cathedral"},
+        "C": SCENE | {"light": "grove", "objects": ["figure", "sphere"], "effects": ["visibility"]},
+    },
+    "picture": {"resolution": 8, "samples": 64},
+}
+
+
+@dataclass(frozen=True)
+class Project:
+    """A copy of the project that tests may edit."""
+
+    folder: Path
+
+    def snakemake(self, *arguments: str) -> subprocess.CompletedProcess:
+        """Run Snakemake in the copy, on the copied package."""
+        return subprocess.run(
+            [sys.executable, "-m", "snakemake", "--cores", "2", *arguments],
+            cwd=self.folder,
+            env=os.environ | {"PYTHONPATH": str(self.folder)},
+            capture_output=True,
+            text=True,
+        )
+
+    def configure(self, **changes) -> None:
+        """Write config.yaml anew, with top-level keys replaced."""
+        (self.folder / "config.yaml").write_text(yaml.safe_dump(CONFIG | changes))
+
+    def edit(self, file: str, old: str, new: str) -> None:
+        """Replace text in a file of the copy."""
+        path = self.folder / file
+        assert old in path.read_text()
+        path.write_text(path.read_text().replace(old, new))
+
+    def planned(self) -> set[str]:
+        """Files that a run would make now, below results/tiny."""
+        run = self.snakemake("--dry-run")
+        assert run.returncode == 0, run.stdout + run.stderr
+        outputs = re.findall(r"^ +output: (.*)$", run.stdout + run.stderr, re.MULTILINE)
+        return {
+            name.removeprefix("results/tiny/") for line in outputs for name in line.split(", ")
+        }
+
+
+def copied(folder: Path) -> Project:
+    """Copy the project's code."""
+    ignore = shutil.ignore_patterns("__pycache__")
+    for name in ("npfm", "workflow"):
+        shutil.copytree(ROOT / name, folder / name, ignore=ignore)
+    shutil.copy(ROOT / "Snakefile", folder)
+    project = Project(folder)
+    project.configure()
+    return project
+
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory) -> Project:
+    """A tiny run that is complete; not to be edited."""
+    project = copied(tmp_path_factory.mktemp("finished"))
+    run = project.snakemake()
+    assert run.returncode == 0, run.stdout + run.stderr
+    return project
+
+
+@pytest.fixture
+def project(finished, tmp_path) -> Project:
+    """A copy of the tiny run, complete, that a test may edit."""
+    folder = tmp_path / "project"
+    shutil.copytree(finished.folder, folder, symlinks=True)
+    return Project(folder)

@@ -1,0 +1,93 @@
+"""What a change reruns, on the real Snakefile: the table in docs/reruns.md, row by row."""
+
+import os
+import shutil
+
+import pytest
+from conftest import CONFIG, SCENE
+
+GATHERED = {
+    "tables/psnr.csv",
+    "tables/summary.csv",
+    "figures/figure08_by_diffuseness.pdf",
+    "figures/figure08_by_diffuseness.png",
+}
+
+
+def renders(*variants, scenes=("A", "C"), material="chalk"):
+    return {
+        f"renders/{scene}/{material}/{variant}.{suffix}"
+        for scene in scenes
+        for variant in variants
+        for suffix in ("exr", "png")
+    }
+
+
+def fits(*variants, material="chalk"):
+    return {f"fits/{variant}/{material}.{suffix}" for variant in variants for suffix in ("npz", "json")}
+
+
+TABLES = GATHERED | {"tables/fits.csv", "tables/materials.csv", "figures/table1.csv"}
+
+
+def test_touching_code_or_inputs_reruns_nothing(project):
+    for path in project.folder.rglob("npfm/**/*.py"):
+        os.utime(path)
+    os.utime(project.folder / "results/tiny/materials/chalk.binary")
+    assert project.planned() == set()
+
+
+def test_a_comment_or_a_docstring_reruns_nothing(project):
+    project.edit("npfm/models/naive.py", '"""The naive model', '"""This naive model')
+    project.edit("npfm/transport.py", "import os\n", "import os  # a comment\n")
+    assert project.planned() == set()
+
+
+def test_an_edit_of_a_model_reruns_its_fits_and_what_they_lead_to(project):
+    project.edit("npfm/models/naive.py", "CLAMP = 1e-6", "CLAMP = 1e-5")
+    expected = fits("naive", "old") | renders("naive", "old") | TABLES
+    assert project.planned() == expected
+
+
+def test_an_edit_of_a_solver_reruns_the_variants_that_use_it(project):
+    project.edit("npfm/solvers/gauss_newton.py", "COARSE, COARSE_TOLERANCE = 6", "COARSE, COARSE_TOLERANCE = 5")
+    assert project.planned() == fits("naive") | renders("naive") | TABLES
+
+
+def test_an_edit_of_a_figure_reruns_that_figure(project):
+    project.edit("npfm/figures/figure08.py", "import", "UNUSED = 1\nimport")
+    assert project.planned() == {name for name in GATHERED if name.startswith("figures")}
+
+
+def test_another_exposure_reruns_the_pictures_of_that_scene(project):
+    scenes = CONFIG["scenes"] | {"A": CONFIG["scenes"]["A"] | {"exposure": 0.5}}
+    project.configure(scenes=scenes)
+    expected = renders("measured", "bivariate", "naive", "old", scenes="A")
+    assert project.planned() == expected | GATHERED
+
+
+def test_another_material_is_all_that_is_made(project):
+    project.configure(dataset={"kind": "synthetic", "materials": ["chalk", "pink-felt"]})
+    variants = "bivariate", "naive", "old"
+    new = {"materials/pink-felt.binary"} | fits(*variants, material="pink-felt")
+    new |= renders("measured", *variants, material="pink-felt")
+    assert project.planned() == new | TABLES
+
+
+def test_another_scene_is_all_that_is_made(project):
+    project.configure(scenes=CONFIG["scenes"] | {"D": SCENE | {"light": "grove"}})
+    new = {"scenes/D"} | renders("measured", "bivariate", "naive", "old", scenes="D")
+    assert project.planned() == new | GATHERED
+
+
+def test_the_same_bytes_copied_again_rerun_nothing(project):
+    table = project.folder / "results/tiny/materials/chalk.binary"
+    shutil.copy(table, table.with_suffix(".copy"))
+    os.replace(table.with_suffix(".copy"), table)
+    assert project.planned() == set()
+
+
+@pytest.mark.parametrize("variant", ["bivariate", "naive"])
+def test_a_lost_fit_is_made_again(project, variant):
+    (project.folder / f"results/tiny/fits/{variant}/chalk.npz").unlink()
+    assert fits(variant) <= project.planned()

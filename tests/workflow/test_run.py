@@ -1,0 +1,78 @@
+import csv
+import os
+import shutil
+
+import numpy as np
+
+from npfm.pictures import read_exr
+
+
+def rows(path):
+    with open(path) as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_run_makes_tables_with_the_promised_columns(finished):
+    tables = finished.folder / "results" / "tiny" / "tables"
+    psnr = rows(tables / "psnr.csv")
+    assert list(psnr[0]) == ["scene", "material", "variant", "psnr_db"]
+    assert len(psnr) == 2 * 1 * 3
+    assert all(float(row["psnr_db"]) > 10 for row in psnr)
+    fits = rows(tables / "fits.csv")
+    assert list(fits[0]) == (
+        "material variant channel seconds iterations gss_calls starts best_start objective "
+        "objective_floor status"
+    ).split()
+    assert len(fits) == 1 * 3 * 3
+    summary = rows(tables / "summary.csv")
+    assert list(summary[0]) == (
+        "variant scene mean_psnr_db median_psnr_db parameters bytes paper_psnr_db".split()
+    )
+    sizes = {row["variant"]: int(row["bytes"]) for row in summary}
+    assert sizes == {"bivariate": 97200, "naive": 4344, "old": 4344}
+
+
+def test_a_run_makes_figures_and_pictures(finished):
+    results = finished.folder / "results" / "tiny"
+    assert (results / "figures" / "figure08_by_diffuseness.pdf").stat().st_size > 1000
+    assert (results / "figures" / "figure08_by_diffuseness.png").stat().st_size > 1000
+    assert (results / "figures" / "table1.csv").exists()
+    folder = results / "renders" / "A" / "chalk"
+    pictures = {path.stem: read_exr(path) for path in folder.glob("*.exr")}
+    assert set(pictures) == {"measured", "bivariate", "naive", "old"}
+    assert all(np.isfinite(picture).all() for picture in pictures.values())
+    assert all((folder / f"{name}.png").exists() for name in pictures)
+
+
+def test_a_finished_run_has_nothing_to_do(finished):
+    assert finished.planned() == set()
+
+
+def test_results_do_not_depend_on_the_run(finished, tmp_path):
+    """Same seed, same bytes: everything but times is the same in a run made afresh."""
+    again = finished.folder.parent / "again"
+    shutil.copytree(finished.folder, again, ignore=shutil.ignore_patterns("results", ".snakemake"))
+    run = type(finished)(again).snakemake()
+    assert run.returncode == 0, run.stdout + run.stderr
+    names = [
+        os.path.relpath(os.path.join(folder, file), finished.folder)
+        for folder, _, files in os.walk(finished.folder / "results")
+        for file in files
+        if "logs" not in folder and not file.endswith((".json", "fits.csv", "table1.csv"))
+    ]
+    assert len(names) > 20
+    for name in names:
+        assert (finished.folder / name).read_bytes() == (again / name).read_bytes(), name
+
+
+def test_a_mistake_in_the_configuration_is_one_line_and_makes_nothing(finished, tmp_path):
+    folder = tmp_path / "mistaken"
+    ignored = shutil.ignore_patterns("results", ".snakemake")
+    shutil.copytree(finished.folder, folder, ignore=ignored)
+    project = type(finished)(folder)
+    project.configure(variants=["niave"])
+    run = project.snakemake()
+    assert run.returncode != 0
+    lines = [line for line in run.stderr.splitlines() if "npfm" in line]
+    assert lines == ["npfm: config: variants: unknown variant 'niave'; did you mean naive?"]
+    assert not (folder / "results").exists()
