@@ -136,7 +136,9 @@ def load(path: str | Path) -> Fit:
         with np.load(path, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
     except (OSError, ValueError, EOFError) as error:
-        raise NpfmError(f"{path}: cannot be read as a fit ({error}); make it with npfm fit") from error
+        raise NpfmError(
+            f"{path}: cannot be read as a fit ({error}); make it with npfm fit"
+        ) from error
     if str(arrays.pop("format", "")) != FORMAT:
         raise NpfmError(f"{path}: not a fit of format {FORMAT}; make it again with npfm fit")
     arrays.pop("units")

@@ -5,14 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import OpenEXR
+import OpenImageIO as oiio
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from npfm.errors import NpfmError
 from npfm.files import replacing
 
-#: First bytes of every OpenEXR file ("OpenEXR File Layout", magic number 20000630).
-EXR_MAGIC = bytes.fromhex("762f3101")
+#: What people call the formats that OpenImageIO calls so.
+FORMAT_NAMES = {"openexr": "OpenEXR", "hdr": "HDR (Radiance RGBE)"}
 
 
 def write_exr(
@@ -63,33 +64,47 @@ def _channels(pixels: ArrayLike) -> dict[str, NDArray[np.float32]]:
 
 
 def read_exr(path: str | Path) -> NDArray[np.float32]:
-    """Read the first part of an OpenEXR file.
+    """Read the first part of an OpenEXR file, as `read_radiance` does."""
+    return read_radiance(path, ("openexr",))
+
+
+def read_radiance(
+    path: str | Path, formats: tuple[str, ...] = ("openexr", "hdr")
+) -> NDArray[np.float32]:
+    """Read a picture of linear radiance.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file to read.
+    formats : tuple of str
+        The formats that will do, by OpenImageIO's names; both of those that hold radiance.
 
     Returns
     -------
     ndarray, shape (height, width, 3) or (height, width, 4)
-        RGB or RGBA.
+        RGB or RGBA of the first part; row 0 is the top.
 
     Raises
     ------
     NpfmError
-        If the file is absent, is no OpenEXR file, is damaged, or has no red, green and blue.
+        If the file is absent, of another format, damaged, or has no red, green and blue.
     """
     path = Path(path)
+    wanted = " or ".join(FORMAT_NAMES[name] for name in formats)
     if not path.is_file():
-        raise NpfmError(f"{path}: no such file; give the path of an OpenEXR picture")
-    with open(path, "rb") as file:
-        if file.read(len(EXR_MAGIC)) != EXR_MAGIC:
-            raise NpfmError(f"{path}: not an OpenEXR file; give a picture in that format")
-    try:
-        with OpenEXR.File(str(path)) as file:
-            channels = {name: channel.pixels for name, channel in file.channels().items()}
-    except RuntimeError:
-        raise NpfmError(f"{path}: cut off or damaged; make or copy the file again") from None
-    for name in ("RGB", "RGBA"):
-        if name in channels:
-            return channels[name].astype(np.float32, copy=False)
-    raise NpfmError(f"{path}: channels {', '.join(channels)}; red, green and blue are needed")
+        raise NpfmError(f"{path}: no such file; give the path of an {wanted} picture")
+    file = oiio.ImageInput.open(str(path))
+    if file is None or file.format_name() not in formats:
+        oiio.geterror()  # An error that nobody fetches is printed at exit.
+        raise NpfmError(f"{path}: not an {wanted} file, or cut off; give a picture in that format")
+    names = file.spec().channelnames
+    if names[:3] != ("R", "G", "B"):
+        raise NpfmError(f"{path}: channels {', '.join(names)}; red, green and blue are needed")
+    pixels = file.read_image(0, 0, 0, 4 if names[3:4] == ("A",) else 3, oiio.FLOAT)
+    if pixels is None or file.geterror():
+        raise NpfmError(f"{path}: cut off or damaged; copy or make the file again")
+    return pixels
 
 
 def tone_map(radiance: ArrayLike, exposure: float, gamma: float) -> NDArray[np.uint8]:

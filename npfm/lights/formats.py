@@ -5,15 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, map_coordinates
 
 from npfm.errors import NpfmError
 from npfm.lights.environment import Environment, tabulate
+from npfm.pictures import read_radiance
 
-#: The formats of OpenImageIO that hold radiance: Radiance RGBE and OpenEXR.
-READABLE = ("hdr", "openexr")
 #: Faces of a vertical cross: its row and column in the cross, the axis it looks along and the
 #: sign on it, and the axes and signs of "right" and "up" in the stored face. The back face is
 #: stored upside down, as if the cross were rolled on from the bottom face.
@@ -54,8 +52,8 @@ class Layout:
 def load_probe(path: str | Path, layout: str, height: int) -> Environment:
     """Read a light probe and convert it to a latitude-longitude map.
 
-    Each texel is the mean of bilinear look-ups in the probe that are closer together than half
-    a pixel of the probe, so that small brilliant windows keep their energy.
+    Each texel is the mean of at least 4 x 4 bilinear look-ups in the probe, no farther apart than
+    its pixels, so that small brilliant windows keep their energy.
 
     Parameters
     ----------
@@ -84,7 +82,7 @@ def load_probe(path: str | Path, layout: str, height: int) -> Environment:
         raise NpfmError(
             f"{path}: unknown layout {layout!r} of a light probe; give one of {', '.join(LAYOUTS)}"
         )
-    pixels = _read_pixels(Path(path))
+    pixels = read_radiance(path)[..., :3]
     shape = pixels.shape[:2]
     _check_proportions(path, layout, shape)
     known = LAYOUTS[layout].holds_data(shape)
@@ -95,29 +93,13 @@ def load_probe(path: str | Path, layout: str, height: int) -> Environment:
 
     def radiance(direction: NDArray) -> NDArray:
         position = LAYOUTS[layout].position(direction, shape)
-        looked_up = [map_coordinates(plane, position, order=1, mode="grid-wrap") for plane in filled]
+        looked_up = [
+            map_coordinates(plane, position, order=1, mode="grid-wrap") for plane in filled
+        ]
         return np.stack(looked_up, axis=-1)
 
-    subsamples = max(4, -(-2 * shape[0] // height))
+    subsamples = max(4, -(-shape[0] // height))
     return Environment(tabulate(radiance, height, subsamples))
-
-
-def _read_pixels(path: Path) -> NDArray[np.float32]:
-    if not path.is_file():
-        raise NpfmError(f"{path}: no such file; give the path of a light probe (.hdr or .exr)")
-    file = oiio.ImageInput.open(str(path))
-    if file is None or file.format_name() not in READABLE:
-        oiio.geterror()  # an error that nobody fetches is printed at exit
-        raise NpfmError(f"{path}: not a Radiance .hdr or an OpenEXR file; give a light probe")
-    channels = file.spec().nchannels
-    pixels = file.read_image(0, 0, 0, min(channels, 3), oiio.FLOAT)
-    error = file.geterror()
-    file.close()
-    if pixels is None or error:
-        raise NpfmError(f"{path}: cut off or damaged; copy or download the light probe again")
-    if channels < 3:
-        raise NpfmError(f"{path}: {channels} channels; red, green and blue are needed")
-    return pixels
 
 
 def _check_proportions(path: str | Path, layout: str, shape: Shape) -> None:

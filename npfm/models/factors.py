@@ -147,7 +147,7 @@ class FactorProblem(ABC):
         interpolated from their neighbours, or take the nearest value at an end.
         """
         D, F, third = (
-            _filled(np.asarray(x, dtype=float), seen, self.clamp)
+            filled(np.asarray(x, dtype=float), seen, self.clamp)
             for x, seen in zip((D, F, third), self.seen, strict=True)
         )
         return State(Factors(D, F, third, 0.0, 0.0), self.sums(third)).with_coefficients()
@@ -228,7 +228,8 @@ def updated_F(state: State, clamp: float) -> State:
     return state.with_factors(F=quotient(numerator, denominator, f.F, clamp))
 
 
-def _filled(factor: Array, seen: NDArray[np.bool_], clamp: float) -> Array:
+def filled(factor: Array, seen: NDArray[np.bool_], clamp: float) -> Array:
+    """Return a factor scaled to maximum 1 and clamped, unseen components interpolated."""
     if not seen.any():
         return np.ones_like(factor)
     bins = np.arange(factor.size)

@@ -4,14 +4,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import solveh_banded
-from scipy.ndimage import gaussian_filter1d
 
 from npfm.fits import Fit
 from npfm.grid import Grid
 from npfm.merl import Table
-from npfm.models import g_from_d, kernels
+from npfm.models import g_from_d
 from npfm.models.channels import ChannelFit, as_table, fit_channels
 from npfm.models.factors import State, updated_D, updated_F
 from npfm.models.microfacet import G_NODES, G_THETA, MicrofacetProblem, tabulate_channel
@@ -29,8 +26,6 @@ SMOOTHING = 1.0
 INNER_SWEEPS = 5
 #: Updates of D, F and the coefficients that every start begins with, its G held.
 WARM_UP_SWEEPS = 20
-#: How strongly components of G that hardly any sample sees are held where they are.
-PROXIMAL = 1e-9
 
 
 class IndependentGProblem(MicrofacetProblem):
@@ -66,24 +61,9 @@ class IndependentGProblem(MicrofacetProblem):
         )
 
     def _updated_G(self, state: State, smoothing: float) -> State:
-        """AWLS update of G: solve for G_i, then for G_o, and average the two (section 4.3)."""
-        G = state.factors.third
-        first = self._solved_G(state, G)
-        G = (first + self._solved_G(state, first)) / 2
-        if smoothing:
-            G = gaussian_filter1d(G, smoothing, mode="nearest")
-        G = np.maximum(G, CLAMP * G.max())
-        return State(replace(state.factors, third=G), self.sums(G))
-
-    def _solved_G(self, state: State, other: NDArray) -> NDArray:
-        """Least-squares G at one of its places, `other` at the other (tridiagonal: G is linear)."""
         f = state.factors
-        diagonal, beside, right = kernels.masking_shadowing_equations(
-            *self._arrays, f.rho_s * state.product.ravel(), f.rho_d, other
-        )
-        hold = PROXIMAL * diagonal.max() or 1.0
-        G = solveh_banded(np.stack([beside, diagonal + hold]), right + hold * f.third)
-        return np.maximum(G, CLAMP * G.max()) if G.max() > 0 else f.third
+        G = self.updated_G(f.rho_s * state.product, f.rho_d, f.third, smoothing)
+        return State(replace(f, third=G), self.sums(G))
 
     def along(self, before: State, after: State) -> Callable[[float], float]:
         """Objective between two states; between two G it is a polynomial of degree 4 in t."""

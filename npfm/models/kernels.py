@@ -99,75 +99,102 @@ def normal_equations(
     node_o: NDArray[np.int16],
     part_o: Array,
     inverse_cosines: Array,
-    D: Array,
-    F: Array,
+    product: Array,
     G: Array,
     rho_d: float,
-    rho_s: float,
+    projected: bool,
 ) -> tuple[Array, Array]:
     """Gradient J'Wr and Gauss-Newton matrix J'WJ in (log D, log F, log G, rho_d).
 
-    With x = rho_s D F K, the derivative of the model is x in log D and log F of the sample's
+    With x = product K, the derivative of the model is x in log D and log F of the sample's
     bins, 1 in rho_d, and x times its share of the interpolated G in log G of each node read.
+
+    Parameters
+    ----------
+    product : ndarray, shape (theta_h, theta_d)
+        rho_s D F, or a B that is free in each cell.
+    projected : bool
+        Take the product for such a B and eliminate it: the unknowns are (log G, rho_d) then.
 
     Returns
     -------
     gradient : ndarray, shape (n,)
     matrix : ndarray, shape (n, n)
-        n = D.size + F.size + G.size + 1; only the upper triangle is filled.
+        Only the upper triangle is filled.
     """
-    nh, nd, ng = D.size, F.size, G.size
-    first_g, last = nh + nd, nh + nd + ng
+    nh, nd = product.shape
+    first_g = 0 if projected else nh + nd
+    last = first_g + G.size
     gradient, matrix = np.zeros(last + 1), np.zeros((last + 1, last + 1))
-    columns = weight.shape[1]
-    row_g = np.zeros(ng)
-    nodes, shares = np.zeros(4, np.int64), np.zeros(4)
-    for h in range(nh):
-        for d in range(nd):
-            row = h * nd + d
-            product = rho_s * D[h] * F[d]
-            sum_w, sum_wx, sum_wxx, sum_wxr, sum_wr = 0.0, 0.0, 0.0, 0.0, 0.0
-            for p in range(columns):
-                w = weight[row, p]
-                if w == 0.0:
-                    continue
-                i, o = node_i[row, p], node_o[row, p]
-                low_i, high_i = (1 - part_i[row, p]) * G[i], part_i[row, p] * G[i + 1]
-                low_o, high_o = (1 - part_o[row, p]) * G[o], part_o[row, p] * G[o + 1]
-                g_i, g_o = low_i + high_i, low_o + high_o
-                x = product * g_i * g_o * inverse_cosines[row, p]
-                wr = w * (rho_d + x) - weighted_value[row, p]
-                wx, wxr, wxx = w * x, wr * x, w * x * x
-                sum_w += w
-                sum_wr += wr
-                sum_wx += wx
-                sum_wxr += wxr
-                sum_wxx += wxx
-                nodes[0], nodes[1], nodes[2], nodes[3] = i, i + 1, o, o + 1
-                shares[0], shares[1] = low_i / g_i, high_i / g_i
-                shares[2], shares[3] = low_o / g_o, high_o / g_o
-                for a in range(4):
-                    at, share = nodes[a], shares[a]
-                    row_g[at] += wxx * share
-                    gradient[first_g + at] += wxr * share
-                    matrix[first_g + at, last] += wx * share
-                    for b in range(4):
-                        if nodes[b] >= at:
-                            matrix[first_g + at, first_g + nodes[b]] += wxx * share * shares[b]
-            if sum_w == 0.0:
+    row_g, nodes, shares = np.zeros(G.size), np.zeros(4, np.int64), np.zeros(4)
+    for row in range(nh * nd):
+        h, d = row // nd, row % nd
+        cell = product[h, d]
+        sum_w, sum_wx, sum_wxx, sum_wxr, sum_wr = 0.0, 0.0, 0.0, 0.0, 0.0
+        lowest, highest = G.size, -1
+        for p in range(weight.shape[1]):
+            w = weight[row, p]
+            if w == 0.0:
                 continue
-            gradient[h] += sum_wxr
-            gradient[nh + d] += sum_wxr
-            gradient[last] += sum_wr
-            matrix[h, h] += sum_wxx
-            matrix[nh + d, nh + d] += sum_wxx
+            i, o = node_i[row, p], node_o[row, p]
+            low_i, high_i = (1 - part_i[row, p]) * G[i], part_i[row, p] * G[i + 1]
+            low_o, high_o = (1 - part_o[row, p]) * G[o], part_o[row, p] * G[o + 1]
+            g_i, g_o = low_i + high_i, low_o + high_o
+            x = cell * g_i * g_o * inverse_cosines[row, p]
+            wr = w * (rho_d + x) - weighted_value[row, p]
+            wx, wxr, wxx = w * x, wr * x, w * x * x
+            sum_w += w
+            sum_wr += wr
+            sum_wx += wx
+            sum_wxr += wxr
+            sum_wxx += wxx
+            lowest, highest = min(lowest, i, o), max(highest, i + 1, o + 1)
+            nodes[0], nodes[1], nodes[2], nodes[3] = i, i + 1, o, o + 1
+            shares[0], shares[1] = low_i / g_i, high_i / g_i
+            shares[2], shares[3] = low_o / g_o, high_o / g_o
+            for a in range(4):
+                at, share = nodes[a], shares[a]
+                row_g[at] += wxx * share
+                gradient[first_g + at] += wxr * share
+                matrix[first_g + at, last] += wx * share
+                for b in range(4):
+                    if nodes[b] >= at:
+                        matrix[first_g + at, first_g + nodes[b]] += wxx * share * shares[b]
+        gradient[last] += sum_wr
+        matrix[last, last] += sum_w
+        if projected:
+            if sum_wxx > 0.0:
+                _eliminate(gradient, matrix, row_g, lowest, highest, sum_wx, sum_wxx, sum_wxr)
+        else:
+            for at in (h, nh + d):
+                gradient[at] += sum_wxr
+                matrix[at, at] += sum_wxx
+                matrix[at, last] += sum_wx
+                for k in range(lowest, highest + 1):
+                    matrix[at, first_g + k] += row_g[k]
             matrix[h, nh + d] += sum_wxx
-            matrix[h, last] += sum_wx
-            matrix[nh + d, last] += sum_wx
-            matrix[last, last] += sum_w
-            for k in range(ng):
-                if row_g[k] != 0.0:
-                    matrix[h, first_g + k] += row_g[k]
-                    matrix[nh + d, first_g + k] += row_g[k]
-                    row_g[k] = 0.0
+        row_g[lowest : highest + 1] = 0.0
     return gradient, matrix
+
+
+@njit(cache=True)
+def _eliminate(
+    gradient: Array,
+    matrix: Array,
+    row_g: Array,
+    lowest: int,
+    highest: int,
+    sum_wx: float,
+    sum_wxx: float,
+    sum_wxr: float,
+) -> None:
+    """Subtract what eliminating log B of a cell takes from the equations (Schur complement)."""
+    last = gradient.size - 1
+    gradient[last] -= sum_wx * sum_wxr / sum_wxx
+    matrix[last, last] -= sum_wx * sum_wx / sum_wxx
+    for k in range(lowest, highest + 1):
+        share = row_g[k] / sum_wxx
+        gradient[k] -= share * sum_wxr
+        matrix[k, last] -= share * sum_wx
+        for other in range(k, highest + 1):
+            matrix[k, other] -= share * row_g[other]

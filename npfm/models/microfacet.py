@@ -9,6 +9,8 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solveh_banded
+from scipy.ndimage import gaussian_filter1d
 
 from npfm.grid import Grid
 from npfm.models import kernels
@@ -20,6 +22,8 @@ Array = NDArray[np.float64]
 #: Nodes of G: 90, at the centres of one-degree bins of theta_i and theta_o (section 4.3).
 G_NODES = 90
 G_THETA = (np.arange(G_NODES) + 0.5) / G_NODES * np.pi / 2
+#: How strongly components of G that hardly any sample sees are held where they are.
+PROXIMAL = 1e-9
 
 
 @dataclass(frozen=True)
@@ -133,12 +137,36 @@ class MicrofacetProblem(FactorProblem):
         sums = (x.reshape(plane) for x in kernels.kernel_sums(*self._arrays, third))
         return Sums(*self._fixed, *sums, self._wrr)
 
+    def updated_G(self, slope: Array, rho_d: float, G: Array, smoothing: float) -> Array:
+        """AWLS update of G: solve for G_i, then for G_o, and average the two (section 4.3).
+
+        Parameters
+        ----------
+        slope : ndarray, shape (theta_h, theta_d)
+            What stands before K: rho_s D F.
+        smoothing : float
+            Width of the Gaussian that smooths the result, in nodes.
+        """
+        first = self._solved_G(slope, rho_d, G, G)
+        G = (first + self._solved_G(slope, rho_d, G, first)) / 2
+        if smoothing:
+            G = gaussian_filter1d(G, smoothing, mode="nearest")
+        return np.maximum(G, self.clamp * G.max())
+
+    def _solved_G(self, slope: Array, rho_d: float, G: Array, other: Array) -> Array:
+        """Least-squares G at one of its places, `other` at the other (tridiagonal: G is linear)."""
+        diagonal, beside, right = kernels.masking_shadowing_equations(
+            *self._arrays, slope.ravel(), rho_d, other
+        )
+        hold = PROXIMAL * diagonal.max() or 1.0
+        solved = solveh_banded(np.stack([beside, diagonal + hold]), right + hold * G)
+        return np.maximum(solved, self.clamp * solved.max()) if solved.max() > 0 else G
+
     def normal_equations(self, state: State) -> tuple[Array, Array]:
         """Gradient and Gauss-Newton matrix in the logarithms of D, F and G, then rho_d."""
         f = state.factors
-        gradient, upper = kernels.normal_equations(
-            *self._arrays, f.D, f.F, f.third, f.rho_d, f.rho_s
-        )
+        product = np.outer(f.rho_s * f.D, f.F)
+        gradient, upper = kernels.normal_equations(*self._arrays, product, f.third, f.rho_d, False)
         return gradient, upper + np.triu(upper, 1).T
 
 
@@ -152,7 +180,12 @@ def tabulate_channel(
     ndarray, shape grid.shape
         BRDF in the units of rho_d and rho_s.
     """
+    product = np.outer(np.asarray(D, dtype=float), np.asarray(F, dtype=float))
+    return tabulate_product(grid, product, G, rho_d, rho_s)
+
+
+def tabulate_product(grid: Grid, B: NDArray, G: NDArray, rho_d: float, rho_s: float) -> Array:
+    """Equation 3 with B(theta_h, theta_d) in place of D F (see `tabulate_channel`)."""
     half = kernel(elevations(grid), np.asarray(G, dtype=float))
     whole = np.concatenate([half, half[:, ::-1]], axis=1).reshape(grid.shape)
-    product = np.outer(np.asarray(D, dtype=float), np.asarray(F, dtype=float))
-    return float(rho_d) + float(rho_s) * product[..., None] * whole
+    return float(rho_d) + float(rho_s) * B[..., None] * whole

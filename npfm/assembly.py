@@ -1,0 +1,220 @@
+"""Building a transport matrix: camera rays, light directions, and the cells they fall into."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from npfm.effects import EFFECTS
+from npfm.errors import NpfmError
+from npfm.geometry import Shape
+from npfm.grid import Grid
+from npfm.lights.environment import LUMINANCE, Environment
+from npfm.sampling import (
+    HalfVectorSampling,
+    LightSampling,
+    Strategy,
+    combine,
+    low_discrepancy,
+    rotate,
+)
+from npfm.scenes import CAMERA, Scene, place
+from npfm.surfaces import Surface, look
+from npfm.transport import Transport
+
+#: Samples of a strategy treated at once, at about a kilobyte of working memory each.
+BLOCK = 1 << 17
+#: A pixel gets up to this many times the usual number of samples, in proportion to the light that
+#: a narrow highlight shows in it. Without that, the few pixels that mirror a lamp make nearly all
+#: of the noise in the error of a specular material.
+MOST_MULTIPLE = 64
+#: That light is judged by this many half vectors a camera ray, of this share of the theta_h bins
+#: (of 4 % of the range of theta_h, which is 2 to 4 degrees).
+HIGHLIGHT_SAMPLES = 64
+HIGHLIGHT_SHARE = 0.2
+
+
+@dataclass(frozen=True)
+class Setup:
+    """All that is the same for every pixel while a matrix is built."""
+
+    objects: Sequence[Shape]
+    obstacles: Sequence[Callable[[Sequence[Shape], NDArray, NDArray, NDArray], NDArray]]
+    environment: Environment
+    strategies: Sequence[Strategy]
+    grid: Grid
+    offsets: NDArray[np.float64]
+    shifts: NDArray[np.float64]
+
+
+def build(
+    scene: Scene, environment: Environment, grid: Grid, resolution: int, samples: int, seed: int
+) -> Transport:
+    """Build the transport matrix of a scene in a light.
+
+    Parameters
+    ----------
+    scene : Scene
+    environment : Environment
+    grid : Grid
+        Of the tables to be rendered.
+    resolution : int
+        Pixels along one side of the square picture.
+    samples : int
+        Light directions for a pixel, shared evenly by the camera rays of the pixel, and by
+        sampling of the light and of half vectors. Pixels that mirror a bright light get a
+        multiple; the average is at most twice this number.
+    seed : int
+        Of the rotations that make the errors of pixels independent.
+
+    Raises
+    ------
+    NpfmError
+        If the samples do not suffice for one of each strategy per camera ray, or the mesh of
+        the scene cannot be used.
+    """
+    setup = _prepare(scene, environment, grid, resolution, seed)
+    least = len(setup.offsets) * len(setup.strategies)
+    if samples < least:
+        raise NpfmError(f"{samples} samples a pixel are too few for this scene; use {least}")
+    surface, coverage, backdrop = look(
+        CAMERA, setup.objects, environment, setup.offsets, resolution
+    )
+    counts = samples // least * _multiples(surface, environment, grid)
+    blocks = [_rows(surface[part], counts[part], setup) for part in _parts(surface, counts)]
+    entries, indices, weights = zip(*blocks, strict=True)
+    del blocks
+    return Transport(
+        indptr=np.concatenate([[0], np.cumsum(np.sum(entries, axis=0))]),
+        indices=np.concatenate(indices),
+        weights=np.concatenate(weights, axis=1),
+        coverage=coverage,
+        backdrop=backdrop,
+        grid_shape=np.array(grid.shape),
+    )
+
+
+def _prepare(
+    scene: Scene, environment: Environment, grid: Grid, resolution: int, seed: int
+) -> Setup:
+    effects = [EFFECTS[name] for name in scene.effects]
+    offsets = np.array([[0.5, 0.5]])
+    for film in (effect.film for effect in effects if effect.film):
+        offsets = film(offsets)
+    strategies = (LightSampling(environment), HalfVectorSampling(grid))
+    return Setup(
+        objects=place(scene),
+        obstacles=[effect.reaches for effect in effects if effect.reaches],
+        environment=environment,
+        strategies=strategies,
+        grid=grid,
+        offsets=offsets,
+        shifts=np.random.default_rng(seed).random((len(strategies), resolution**2, 1, 2)),
+    )
+
+
+def _multiples(surface: Surface, environment: Environment, grid: Grid) -> NDArray[np.int64]:
+    """How many times the usual number of samples each surface point gets: powers of two."""
+    strategy = HalfVectorSampling(grid)
+    u = low_discrepancy(HIGHLIGHT_SAMPLES) * [HIGHLIGHT_SHARE, 1.0]
+    shown = np.empty(len(surface))
+    step = BLOCK // HIGHLIGHT_SAMPLES
+    for part in (slice(first, first + step) for first in range(0, len(surface), step)):
+        view, normal = surface.view[part], surface.normal[part]
+        light = strategy.sample(np.broadcast_to(u, (len(view), *u.shape)), view, normal)
+        shown[part] = (environment.lookup(light) @ LUMINANCE).mean(axis=1)
+    ratio = np.clip(shown / shown.mean(), 1, MOST_MULTIPLE)
+    return 2 ** np.log2(ratio).astype(int)
+
+
+def _parts(surface: Surface, counts: NDArray[np.int64]) -> Iterator[slice]:
+    """Slices of whole pixels with about `BLOCK` samples of a strategy each."""
+    starts = np.flatnonzero(np.diff(surface.pixel, prepend=-1))
+    before = (np.cumsum(counts) - counts)[starts]
+    cuts = starts[np.diff(before // BLOCK, prepend=-1) > 0]
+    for first, last in zip(cuts, [*cuts[1:], len(surface)], strict=True):
+        yield slice(first, last)
+
+
+def _rows(surface: Surface, counts: NDArray, setup: Setup) -> tuple[NDArray, NDArray, NDArray]:
+    """Rows of the matrix for whole pixels: entries per pixel, cells (n,), weights (3, n)."""
+    levels = np.unique(counts).tolist()
+    parts = [_gather(surface[counts == count], count, setup) for count in levels]
+    pixel, cell, weights = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
+    key = pixel * setup.grid.cells + cell
+    order = np.argsort(key, kind="stable")
+    key = key[order]
+    first = np.flatnonzero(np.diff(key, prepend=-1))
+    merged = np.add.reduceat(weights[:, order], first, axis=1) if len(first) else weights
+    pixel, cell = np.divmod(key[first], setup.grid.cells)
+    entries = np.bincount(pixel, minlength=setup.shifts.shape[1])
+    return entries, cell.astype(np.int32), merged.astype(np.float32)
+
+
+def _gather(surface: Surface, count: int, setup: Setup) -> tuple[NDArray, NDArray, NDArray]:
+    """Light that reaches surface points: pixels (n,), cells (n,) and weights (3, n).
+
+    `count` is the number of samples of each strategy at each point.
+    """
+    u = _points(len(setup.offsets), count)[surface.ray]
+    points = [rotate(u, shift[surface.pixel]) for shift in setup.shifts]
+    light, density = combine(setup.strategies, points, surface.view, surface.normal)
+    # Cosines of the light with normal and view, and the volume the three vectors span.
+    span = [surface.normal, surface.view, np.cross(surface.normal, surface.view)]
+    cosines = light @ np.stack(span, axis=-1)
+    at, sample = np.nonzero((cosines[..., 0] > 0) & (density > 0))
+    for reaches in setup.obstacles:
+        ends = surface.position[at], surface.geometric[at], light[at, sample]
+        free = reaches(setup.objects, *ends)
+        at, sample = at[free], sample[free]
+    cos_i, cos_io, volume = cosines[at, sample].T
+    cos_o = np.einsum("ij,ij->i", surface.normal, surface.view)[at]
+    factor = cos_i / (density[at, sample] * len(setup.offsets))
+    weights = setup.environment.lookup(light[at, sample]).T * factor
+    return surface.pixel[at], cells(setup.grid, cos_i, cos_o, cos_io, volume), weights
+
+
+@cache
+def _points(rays: int, count: int) -> NDArray[np.float64]:
+    """Points of the unit square for each camera ray of a pixel, shape (rays, count, 2)."""
+    points = low_discrepancy(rays * count).reshape(rays, count, 2)
+    # In the order of x, so that neighbours in memory search the same part of the light.
+    return np.take_along_axis(points, np.argsort(points[..., :1], axis=1), axis=1)
+
+
+def cells(
+    grid: Grid, cos_i: NDArray, cos_o: NDArray, cos_io: NDArray, volume: NDArray
+) -> NDArray[np.int32]:
+    """Cells that hold pairs of directions above the horizon.
+
+    The same as ``grid.cell(*half_difference(light, view, normal))``, at a third of the cost,
+    except that a cell whose centre lies below the horizon, where tables have no value, is
+    replaced by the nearest one in phi_d that has one.
+
+    Parameters
+    ----------
+    grid : Grid
+    cos_i, cos_o, cos_io : ndarray, shape (n,)
+        Cosines of light and normal, view and normal, light and view.
+    volume : ndarray, shape (n,)
+        Of the parallelepiped of light, normal and view: light . (normal x view).
+    """
+    cos_d = np.sqrt(np.maximum((1 + cos_io) / 2, 0))
+    cos_h = np.minimum((cos_i + cos_o) / (2 * cos_d), 1)
+    phi_d = np.arctan2(volume / (2 * cos_d), cos_h * cos_d - cos_i) % np.pi
+    found = grid.cell(np.arccos(cos_h), np.arccos(np.minimum(cos_d, 1)), phi_d)
+    return _above_horizon(grid)[found]
+
+
+@cache
+def _above_horizon(grid: Grid) -> NDArray[np.int32]:
+    """For each cell the nearest one in phi_d that lies above the horizon, or itself if none."""
+    above = grid.above_horizon.reshape(-1, grid.phi_d_bins)
+    bins = np.arange(grid.phi_d_bins)
+    nearest_bin = np.tile(bins, (len(above), 1))
+    for row in np.flatnonzero(above.any(axis=1) & ~above.all(axis=1)):
+        choices = bins[above[row]]
+        nearest_bin[row] = choices[np.abs(bins[:, None] - choices).argmin(axis=1)]
+    return (nearest_bin + np.arange(len(above))[:, None] * grid.phi_d_bins).ravel().astype(np.int32)

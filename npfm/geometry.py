@@ -1,0 +1,151 @@
+"""Objects that rays can meet: an analytic sphere and a triangle mesh.
+
+Both answer the same two questions, `nearest` and `occluded`. Lengths are in scene units.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.floating]
+
+#: How far shadow rays start above the surface. Embree computes in float32, which at the distance
+#: of a camera (about 5) resolves 5e-7; this is well above it and far below a pixel.
+OFFSET = 1e-4
+
+
+class Hits(NamedTuple):
+    """Where rays meet a surface.
+
+    Attributes
+    ----------
+    distance : ndarray, shape (n,)
+        Length along the ray; infinite where there is no hit, and then the normals mean nothing.
+    geometric : ndarray, shape (n, 3)
+        Unit normal of the surface itself.
+    shading : ndarray, shape (n, 3)
+        Unit normal of the smooth surface that a mesh stands for.
+    """
+
+    distance: Array
+    geometric: Array
+    shading: Array
+
+
+class Shape(Protocol):
+    """What an object of a scene can do."""
+
+    def nearest(self, origins: Array, directions: Array) -> Hits:
+        """First hits of rays; `origins` and unit `directions` of shape (n, 3)."""
+
+    def occluded(self, origins: Array, directions: Array) -> NDArray[np.bool_]:
+        """Whether rays hit the object at all, shape (n,)."""
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A sphere that is met from outside.
+
+    Parameters
+    ----------
+    centre : tuple of float
+    radius : float
+    """
+
+    centre: tuple[float, float, float]
+    radius: float
+
+    def _quadratic(self, origins: Array, directions: Array) -> tuple[Array, Array]:
+        """Distance to the point nearest to the centre, and the squared half chord there."""
+        to_centre = np.asarray(self.centre) - origins
+        along = np.einsum("ij,ij->i", to_centre, directions)
+        return along, self.radius**2 + along**2 - np.einsum("ij,ij->i", to_centre, to_centre)
+
+    def nearest(self, origins: Array, directions: Array) -> Hits:
+        """First hits of rays that start outside; `origins`, unit `directions` (n, 3)."""
+        along, half_chord2 = self._quadratic(origins, directions)
+        hit = (half_chord2 > 0) & (along > 0)
+        distance = np.where(hit, along - np.sqrt(np.maximum(half_chord2, 0)), np.inf)
+        points = origins + np.where(hit, distance, 0)[:, None] * directions
+        normal = (points - self.centre) / self.radius
+        return Hits(distance, normal, normal)
+
+    def occluded(self, origins: Array, directions: Array) -> NDArray[np.bool_]:
+        """Whether rays that start outside hit the sphere, shape (n,)."""
+        along, half_chord2 = self._quadratic(origins, directions)
+        return (half_chord2 > 0) & (along > 0)
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Triangles with smooth normals. Rays are traced by Embree, imported with the first ray.
+
+    Parameters
+    ----------
+    vertices : ndarray, shape (v, 3)
+    faces : ndarray of int, shape (f, 3)
+        Indices of vertices, counter-clockwise from outside.
+    normals : ndarray, shape (v, 3)
+        Unit normals at the vertices.
+    """
+
+    vertices: Array
+    faces: NDArray[np.integer]
+    normals: Array
+
+    @cached_property
+    def _embree(self) -> Any:
+        from embreex.mesh_construction import TriangleMesh
+        from embreex.rtcore_scene import EmbreeScene
+
+        scene = EmbreeScene(robust=True)
+        TriangleMesh(scene, self.vertices.astype(np.float32), self.faces.astype(np.int32))
+        return scene
+
+    def nearest(self, origins: Array, directions: Array) -> Hits:
+        """First hits of rays; `origins` and unit `directions` of shape (n, 3)."""
+        found = self._embree.run(*_single(origins, directions), output=True)
+        hit = found["primID"] >= 0
+        corners = self.faces[np.where(hit, found["primID"], 0)]
+        a, b, c = (self.vertices[corners[:, k]] for k in range(3))
+        geometric = _unit(np.cross(b - a, c - a))
+        u, v = (found[name][:, None].astype(float) for name in "uv")
+        at_a, at_b, at_c = (self.normals[corners[:, k]] for k in range(3))
+        smooth = (1 - u - v) * at_a + u * at_b + v * at_c
+        # Where faces lie back to back, the normals at their vertices cancel.
+        cancelled = np.linalg.norm(smooth, axis=1, keepdims=True) < 1e-6
+        shading = _unit(np.where(cancelled, geometric, smooth))
+        return Hits(np.where(hit, found["tfar"], np.inf), geometric, shading)
+
+    def occluded(self, origins: Array, directions: Array) -> NDArray[np.bool_]:
+        """Whether rays hit the mesh at all, shape (n,)."""
+        return self._embree.run(*_single(origins, directions), query="OCCLUDED") >= 0
+
+
+def nearest(objects: tuple[Shape, ...], origins: Array, directions: Array) -> Hits:
+    """First hits of rays with any of the objects; `origins`, unit `directions` (n, 3)."""
+    hits = objects[0].nearest(origins, directions)
+    for shape in objects[1:]:
+        other = shape.nearest(origins, directions)
+        closer = other.distance < hits.distance
+        hits = Hits(
+            np.where(closer, other.distance, hits.distance),
+            np.where(closer[:, None], other.geometric, hits.geometric),
+            np.where(closer[:, None], other.shading, hits.shading),
+        )
+    return hits
+
+
+def _single(origins: Array, directions: Array) -> tuple[Array, Array]:
+    return (
+        np.ascontiguousarray(origins, dtype=np.float32),
+        np.ascontiguousarray(directions, dtype=np.float32),
+    )
+
+
+def _unit(vectors: Array) -> Array:
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / np.maximum(length, np.finfo(float).tiny)

@@ -1,0 +1,1 @@
+"""The places that the generated lights show, one module a place."""
