@@ -189,9 +189,9 @@ def cells(
 ) -> NDArray[np.int32]:
     """Cells that hold pairs of directions above the horizon.
 
-    The same as ``grid.cell(*half_difference(light, view, normal))``, at a third of the cost,
-    except that a cell whose centre lies below the horizon, where tables have no value, is
-    replaced by the nearest one in phi_d that has one.
+    The same as ``grid.cell(*half_difference(light, view, normal))``, at a third of the cost. Some
+    of the cells have a centre below the horizon, where tables are empty: 0.004 % of the light
+    that a white material reflects is lost there.
 
     Parameters
     ----------
@@ -204,17 +204,4 @@ def cells(
     cos_d = np.sqrt(np.maximum((1 + cos_io) / 2, 0))
     cos_h = np.minimum((cos_i + cos_o) / (2 * cos_d), 1)
     phi_d = np.arctan2(volume / (2 * cos_d), cos_h * cos_d - cos_i) % np.pi
-    found = grid.cell(np.arccos(cos_h), np.arccos(np.minimum(cos_d, 1)), phi_d)
-    return _above_horizon(grid)[found]
-
-
-@cache
-def _above_horizon(grid: Grid) -> NDArray[np.int32]:
-    """For each cell the nearest one in phi_d that lies above the horizon, or itself if none."""
-    above = grid.above_horizon.reshape(-1, grid.phi_d_bins)
-    bins = np.arange(grid.phi_d_bins)
-    nearest_bin = np.tile(bins, (len(above), 1))
-    for row in np.flatnonzero(above.any(axis=1) & ~above.all(axis=1)):
-        choices = bins[above[row]]
-        nearest_bin[row] = choices[np.abs(bins[:, None] - choices).argmin(axis=1)]
-    return (nearest_bin + np.arange(len(above))[:, None] * grid.phi_d_bins).ravel().astype(np.int32)
+    return grid.cell(np.arccos(cos_h), np.arccos(np.minimum(cos_d, 1)), phi_d)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.errors import NpfmError
+from npfm.errors import NpfmError, suggest
 from npfm.geometry import OFFSET, Shape
 
 #: Camera rays along either side of a pixel: 16 in all, as in Bagher et al. 2016, section 6.
@@ -80,9 +80,8 @@ EFFECTS = {"antialiasing": Effect(film=subdivide), "visibility": Effect(reaches=
 
 def check_effects(names: Sequence[str]) -> None:
     """Raise an NpfmError if a name is not that of an effect, or is listed twice."""
-    known = ", ".join(EFFECTS)
     for name in names:
         if name not in EFFECTS:
-            raise NpfmError(f"unknown effect '{name}' in a scene; choose from {known}")
+            raise NpfmError(f"unknown effect '{name}' in a scene; {suggest(name, EFFECTS)}")
     if len(set(names)) < len(names):
         raise NpfmError(f"a scene lists an effect twice: {', '.join(names)}")

@@ -10,7 +10,7 @@ import numpy as np
 
 from npfm.camera import Camera
 from npfm.effects import check_effects
-from npfm.errors import NpfmError
+from npfm.errors import NpfmError, suggest
 from npfm.geometry import Shape, Sphere
 
 OBJECTS = ("figure", "sphere")
@@ -44,12 +44,11 @@ class Scene:
     mesh: Path | None = None
 
     def __post_init__(self) -> None:
-        known = ", ".join(OBJECTS)
         for name in self.objects:
             if name not in OBJECTS:
-                raise NpfmError(f"unknown object '{name}' in a scene; choose from {known}")
+                raise NpfmError(f"unknown object '{name}' in a scene; {suggest(name, OBJECTS)}")
         if not self.objects or len(set(self.objects)) < len(self.objects):
-            raise NpfmError(f"a scene needs one or both of {known}, each once")
+            raise NpfmError(f"a scene needs one or both of {' and '.join(OBJECTS)}, each once")
         check_effects(self.effects)
 
 

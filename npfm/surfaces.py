@@ -78,10 +78,8 @@ def look(
     pixel, ray = np.divmod(np.flatnonzero(hit), rays)
     view = -direction[hit]
     position = camera.position - hits.distance[hit, None] * view
-    geometric = towards(hits.geometric[hit], view, 0.0)
-    surface = Surface(
-        pixel, ray, position, geometric, towards(hits.shading[hit], view, GRAZING), view
-    )
+    shading = towards(hits.shading[hit], view, GRAZING)
+    surface = Surface(pixel, ray, position, hits.geometric[hit], shading, view)
     coverage = hit.reshape(resolution, resolution, rays).mean(axis=2)
     backdrop = light.reshape(resolution, resolution, rays, 3).mean(axis=2)
     return surface, coverage.astype(np.float32), backdrop.astype(np.float32)

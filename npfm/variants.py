@@ -6,8 +6,8 @@ from types import ModuleType
 from npfm.errors import NpfmError, suggest
 from npfm.solvers.problem import Solve, Solver
 
-#: Models in the order of the paper's Figure 8, best average first.
-MODELS = ("bivariate", "independent-g", "g-from-d", "naive")
+#: Models in the order of the paper's Figure 8, best average first, then those beyond the paper.
+MODELS = ("bivariate", "independent-g", "g-from-d", "naive", "bivariate-g", "low-rank-b")
 SOLVERS = ("gauss-newton", "awls")
 #: Models whose minimum needs no solver.
 CLOSED_FORM = ("bivariate",)
@@ -30,6 +30,10 @@ def model(name: str) -> ModuleType:
             from npfm.models import g_from_d as module
         case "naive":
             from npfm.models import naive as module
+        case "bivariate-g":
+            from npfm.models import bivariate_g as module
+        case "low-rank-b":
+            from npfm.models import low_rank_b as module
         case _:
             raise NpfmError(f"unknown variant '{name}'; {suggest(name, MODELS)}")
     return module

@@ -38,7 +38,10 @@ def test_help_of_every_verb_has_an_example(verb, capsys):
 def test_a_tabulated_fit_is_a_merl_file(folder):
     assert main(["tabulate", f"{folder}/chalk.npz", "-o", f"{folder}/tabulated.binary"]) == 0
     assert (folder / "tabulated.binary").stat().st_size == FILE_BYTES
-    fitted, measured = read_binary(folder / "tabulated.binary"), read_binary(folder / "chalk.binary")
+    fitted, measured = (
+        read_binary(folder / "tabulated.binary"),
+        read_binary(folder / "chalk.binary"),
+    )
     both = fitted.valid & measured.valid
     assert np.median(np.abs(fitted.values / measured.values - 1)[both]) < 0.1
 

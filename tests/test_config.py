@@ -42,7 +42,9 @@ def test_presets_are_valid_and_named_after_their_file(preset, data, tmp_path):
         changes["data"] = str(tmp_path)
     run = check(configured(**changes))
     assert run.folder == f"results/{preset.stem}"
-    assert len(run.materials) == {"smoke": 3, "neural-10": 10, "neural": 100, "merl": 1}[preset.stem]
+    assert (
+        len(run.materials) == {"smoke": 3, "neural-10": 10, "neural": 100, "merl": 1}[preset.stem]
+    )
 
 
 def test_a_variant_may_have_settings_of_its_own():

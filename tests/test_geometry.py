@@ -106,6 +106,20 @@ def test_figure_is_faces_outwards_and_shadows_itself():
     assert 0.1 < shadowed.mean() < 0.5
 
 
+def test_a_face_seen_from_behind_turns_its_normals():
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    tilted = np.full((3, 3), [0.6, 0, 0.8])
+    face = Mesh(corners, np.array([[0, 1, 2]]), tilted)
+    origins = np.array([[0.2, 0.2, 1], [0.2, 0.2, -1]])
+    directions = np.array([[0.0, 0, -1], [0, 0, 1]])
+    hits = face.nearest(origins, directions)
+    np.testing.assert_allclose(hits.geometric, [[0, 0, 1], [0, 0, -1]])
+    np.testing.assert_allclose(hits.shading, [[0.6, 0, 0.8], [-0.6, 0, -0.8]])
+    wrong_way_round = Mesh(corners, np.array([[0, 2, 1]]), tilted)
+    for found, expected in zip(wrong_way_round.nearest(origins, directions), hits, strict=True):
+        np.testing.assert_allclose(found, expected)
+
+
 def test_standing_puts_the_bounding_box_on_its_foot():
     wide = Mesh(np.array([[0.0, 1, 2], [6, 3, 3], [1, 2, 7]]), np.array([[0, 1, 2]]), np.eye(3))
     tall = Mesh(wide.vertices * [0.01, 1, 0.01], wide.faces, wide.normals)

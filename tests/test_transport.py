@@ -48,9 +48,11 @@ def test_white_furnace(objects, effects):
     assert len(values) > 50
     assert values.mean() == pytest.approx(1, abs=0.002)
     np.testing.assert_allclose(values, 1, atol=0.01)
-    # Nothing is lost in cells that tables leave empty because their centre is below the horizon.
+    # Little is lost in cells that tables leave empty because their centre is below the horizon.
     table = Table(np.where(MERL.above_horizon, uniform().values, -1))
-    np.testing.assert_allclose(colours(transport, table)[transport.foreground], values, rtol=1e-3)
+    left = colours(transport, table)[transport.foreground]
+    np.testing.assert_allclose(left, values, rtol=5e-3)
+    assert left.mean() > 0.9998 * values.mean()
 
 
 def random_pairs(count):
@@ -69,23 +71,11 @@ def cells_of(grid, light, view):
     return cells(grid, light[:, 2], view[:, 2], cos_io, volume)
 
 
-def test_cells_are_those_of_half_difference_or_the_nearest_above_the_horizon():
+def test_cells_are_those_of_half_difference():
     light, view = random_pairs(200_000)
-    found = cells_of(MERL, light, view)
-    expected = MERL.cell(*half_difference(light, view))
-    above = MERL.above_horizon.ravel()
     # Rounding may move a pair of directions over the border of a cell.
-    assert (found == expected)[above[expected]].mean() > 0.9999
-    h, d, p = np.unravel_index(expected[~above[expected]], MERL.shape)
-    new_h, new_d, new_p = np.unravel_index(found[~above[expected]], MERL.shape)
-    assert len(h) > 1000
-    same_row = (h == new_h) & (d == new_d)
-    assert same_row.mean() > 0.9999
-    rescued = MERL.above_horizon[h, d].any(axis=1)
-    assert MERL.above_horizon[new_h, new_d, new_p][rescued].all()
-    for row in np.flatnonzero(rescued & same_row)[:200]:
-        free = np.flatnonzero(MERL.above_horizon[h[row], d[row]])
-        assert abs(new_p[row] - p[row]) == np.abs(free - p[row]).min()
+    same = cells_of(MERL, light, view) == MERL.cell(*half_difference(light, view))
+    assert same.mean() > 0.9999
 
 
 def test_exchanging_light_and_view_gives_the_same_cell():

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, map_coordinates
 
-from npfm.errors import NpfmError
+from npfm.errors import NpfmError, suggest
 from npfm.lights.environment import Environment, tabulate
 from npfm.pictures import read_radiance
 
@@ -80,7 +80,7 @@ def load_probe(path: str | Path, layout: str, height: int) -> Environment:
     """
     if layout not in LAYOUTS:
         raise NpfmError(
-            f"{path}: unknown layout {layout!r} of a light probe; give one of {', '.join(LAYOUTS)}"
+            f"{path}: unknown layout '{layout}' of a light probe; {suggest(str(layout), LAYOUTS)}"
         )
     pixels = read_radiance(path)[..., :3]
     shape = pixels.shape[:2]

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from functools import partial
 from types import MappingProxyType
 
-from npfm.errors import NpfmError
+from npfm.errors import NpfmError, suggest
 from npfm.lights.environment import Environment, tabulate
 from npfm.lights.places import basilica, cathedral, grove, house
 from npfm.lights.places.shapes import Array
@@ -42,7 +42,7 @@ def generate(name: str, height: int) -> Environment:
         If there is no such light.
     """
     if name not in LIGHTS:
-        raise NpfmError(f"unknown generated light {name!r}; give one of {', '.join(LIGHTS)}")
+        raise NpfmError(f"unknown generated light '{name}'; {suggest(name, LIGHTS)}")
     return LIGHTS[name](height)
 
 

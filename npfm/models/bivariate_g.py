@@ -1,28 +1,31 @@
-"""The microfacet model with D F replaced by a free B(theta_h, theta_d).
+"""The microfacet model with a free B(theta_h, theta_d) in place of rho_s D F.
 
-rho = rho_d + rho_s B(theta_h, theta_d) K with K = G(theta_i) G(theta_o) / (cos cos): the model that
-Bagher et al. 2016 name in their conclusion and leave open how to fit. It is fitted by variable
-projection (Golub and Pereyra 1973): for a given G, the best B and rho_d follow in closed form, so
-that log G alone is sought.
+rho = rho_d + B(theta_h, theta_d) K with K = G(theta_i) G(theta_o) / (cos theta_i cos theta_o): the
+model that Bagher et al. 2016 name in their conclusion, and leave open how to fit. Both theirs
+are special cases: independent-g where B is a product, and bivariate where G = cos(theta).
 
-G is determined up to a factor exp(a cos theta): cos theta_i + cos theta_o is
-2 cos theta_h cos theta_d, so that B absorbs it.
+It is fitted by variable projection (Golub and Pereyra 1973): for a given G, the best B and rho_d
+follow in closed form from sums over phi_d, and only G is sought.
+
+G is determined up to a factor exp(a cos theta): since cos theta_i + cos theta_o =
+2 cos theta_h cos theta_d, B can take it over. Of all equivalent G, the one whose logarithm has
+no trend in cos(theta) is kept.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
-from npfm.fits import Fit
+from npfm.fits import Fit, Trace
 from npfm.grid import Grid
 from npfm.merl import Table
-from npfm.models import g_from_d, kernels
+from npfm.models import kernels
 from npfm.models.channels import ChannelFit, as_table, fit_channels
-from npfm.models.factors import SMALLEST, Sums, filled
+from npfm.models.factors import Sums, filled
 from npfm.models.microfacet import G_NODES, G_THETA, MicrofacetProblem, tabulate_product
 from npfm.models.slices import factors_of_slices
 from npfm.models.smith import masking_shadowing
@@ -30,17 +33,20 @@ from npfm.objective import Objective, Samples
 from npfm.solvers.problem import Solve
 
 NAME = "bivariate-g"
-CLAMP = 1e-6  # smallest component of G, as in independent-g
+CLAMP = 1e-6  # smallest component of G, as in independent-g; B may be 0
 #: Width of the Gaussian that smooths G in the first stage of AWLS, in nodes.
 SMOOTHING = 1.0
+#: Powers of cos(theta) that are starts for G: from G = 1 to the bivariate model, K = 1.
+POWERS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 Array = NDArray[np.float64]
 
 
 def _levelling() -> Array:
-    """Matrix that takes the part linear in cos(theta) out of a function at the nodes of G."""
-    deviation = np.cos(G_THETA) - np.cos(G_THETA).mean()
-    return np.eye(G_NODES) - np.outer(np.cos(G_THETA), deviation / (deviation @ deviation))
+    """Matrix that takes the trend in cos(theta) out of a function at the nodes of G."""
+    cosine = np.cos(G_THETA)
+    deviation = cosine - cosine.mean()
+    return np.eye(G_NODES) - np.outer(cosine, deviation / (deviation @ deviation))
 
 
 LEVELLING = _levelling()
@@ -48,12 +54,12 @@ LEVELLING = _levelling()
 
 @dataclass(frozen=True)
 class State:
-    """B in the units of the samples (that is, rho_s B), G, rho_d, and the sums that belong to G."""
+    """What follows from G: the sums that belong to it, and the best B and rho_d."""
 
-    B: Array
     G: Array
-    rho_d: float
     sums: Sums
+    B: Array
+    rho_d: float
 
 
 def best_rho_d(sums: Sums) -> float:
@@ -67,49 +73,46 @@ def best_rho_d(sums: Sums) -> float:
     w, wr = sums.w[reached], sums.wr[reached]
     wk, wkk, wrk = sums.wk[reached], sums.wkk[reached], sums.wrk[reached]
     share = wk / wkk
-    slope, constant = float(np.sum(w - share * wk)), float(np.sum(wr - share * wrk))
+    slope, constant = np.sum(w - share * wk), np.sum(wr - share * wrk)
     if slope <= 1e-12 * w.sum():
         return 0.0
     zeros = wrk / wk
     order = np.argsort(zeros)
-    # Entry k is for the k cells of lowest zeros having B = 0.
+    # Entry k belongs to B = 0 in the k cells where that happens first.
     slopes = slope + np.append(0.0, np.cumsum((share * wk)[order]))
     constants = constant + np.append(0.0, np.cumsum((share * wrk)[order]))
     passed = np.count_nonzero(zeros[order] * slopes[:-1] < constants[:-1])
     return max(float(constants[passed] / slopes[passed]), 0.0)
 
 
+def best_B(sums: Sums, rho_d: float) -> Array:
+    """Best B >= 0 for a given rho_d, 0 where there is no sample."""
+    right = np.maximum(sums.wrk - rho_d * sums.wk, 0.0)
+    return np.where(sums.wkk > 0, right / np.where(sums.wkk > 0, sums.wkk, 1.0), 0.0)
+
+
 class BivariateGProblem(MicrofacetProblem):
-    """The fit of one channel."""
+    """The fit of one channel: a state is a function of its G."""
 
     def __init__(self, samples: Samples, clamp: float = CLAMP, every: int = 1):
         super().__init__(samples, clamp, every)
 
     @cached_property
-    def _nearest(self) -> tuple[NDArray[np.intp], ...]:
-        """For each cell, the nearest one with a sample."""
+    def nearest(self) -> tuple[NDArray[np.intp], ...]:
+        """Index of the nearest cell with a sample, for every cell."""
         unseen = self._fixed[0] == 0
         return tuple(distance_transform_edt(unseen, return_distances=False, return_indices=True))
 
     def start(self, G: Array) -> State:
-        """Return the state of a masking-shadowing factor: G settled, B and rho_d the best for it.
+        """Return the state of a masking-shadowing factor, levelled, scaled and clamped.
 
         Cells without a sample take the B of the nearest one that has.
         """
-        G = self.settled(G)
+        G = np.exp(LEVELLING @ np.log(filled(np.asarray(G, dtype=float), self.seen[2], self.clamp)))
+        G = np.maximum(G / G.max(), self.clamp)
         sums = self.sums(G)
         rho_d = best_rho_d(sums)
-        B = np.maximum(sums.wrk - rho_d * sums.wk, 0) / np.where(sums.wkk > 0, sums.wkk, 1.0)
-        return State(B[self._nearest], G, rho_d, sums)
-
-    def settled(self, G: Array) -> Array:
-        """Return an equivalent G that is level where `LEVEL` says, scaled to maximum 1 and clamped.
-
-        Nodes that no sample depends on are interpolated from their neighbours.
-        """
-        G = filled(np.asarray(G, dtype=float), self.seen[2], self.clamp)
-        G = np.exp(LEVELLING @ np.log(G))
-        return np.maximum(G / G.max(), self.clamp)
+        return State(G, sums, best_B(sums, rho_d)[self.nearest], rho_d)
 
     @property
     def stages(self) -> tuple[tuple[Callable[[State], State]], ...]:
@@ -124,7 +127,8 @@ class BivariateGProblem(MicrofacetProblem):
 
     def objective(self, state: State) -> float:
         """Objective of equation 7, the floor included."""
-        return self.samples.floor + state.sums.objective(state.B, state.rho_d, 1.0)
+        above = state.sums.objective(state.B, state.rho_d, 1.0)
+        return self.samples.floor + max(above, 0.0)  # a sum of squares but for rounding
 
     def between(self, before: State, after: State, t: float) -> State:
         """Return the state of an interpolated G."""
@@ -139,7 +143,7 @@ class BivariateGProblem(MicrofacetProblem):
         return np.log(state.G)
 
     def unpack(self, packed: Array) -> State:
-        """Return the state of a packed G, with the B and rho_d that are best for it."""
+        """Return the state of a packed G."""
         return self.start(np.exp(packed))
 
     def tops(self, packed: Array) -> NDArray[np.intp]:
@@ -151,8 +155,61 @@ class BivariateGProblem(MicrofacetProblem):
         gradient, upper = kernels.normal_equations(
             *self._arrays, state.B, state.G, state.rho_d, True
         )
-        matrix = upper + np.triu(upper, 1).T
-        chain = np.zeros_like(matrix)
+        chain = np.zeros_like(upper)
         chain[:-1, :-1] = LEVELLING
-        chain[-1, -1] = state.rho_d > 0  # at its bound it stays there
-        return chain.T @ gradient, chain.T @ matrix @ chain
+        chain[-1, -1] = state.rho_d > 0  # at its bound it is no unknown
+        return chain.T @ gradient, chain.T @ (upper + np.triu(upper, 1).T) @ chain
+
+
+def parameter_count(grid: Grid) -> int:
+    """Number of values stored for a material: B, G and rho_d for each channel."""
+    return 3 * (grid.theta_h_bins * grid.theta_d_bins + G_NODES + 1)
+
+
+def fit_samples(samples: Samples, solve: Solve) -> tuple[BivariateGProblem, State, list[Trace]]:
+    """Fit one channel of folded samples; none of the starts is random."""
+    problem = BivariateGProblem(samples)
+    D, _ = factors_of_slices(samples)
+    starts = {f"cosine-{power:g}": np.cos(G_THETA) ** power for power in POWERS}
+    starts["slices-smith"] = masking_shadowing(D, samples.grid, G_THETA)
+    state, traces = solve(problem, {name: problem.start(G) for name, G in starts.items()})
+    return problem, state, traces
+
+
+def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
+    """Fit the model from several starts for G and keep the best.
+
+    Parameters
+    ----------
+    table : Table
+        Measured BRDF in 1/sr.
+    objective : Objective
+        Weights and range.
+    solve : Solve
+        A solver with its settings.
+    seed : int
+        Not needed: no start is random.
+
+    Raises
+    ------
+    NpfmError
+        If a channel has no sample that counts.
+    """
+
+    def fit_channel(samples: Samples, channel: int) -> ChannelFit:
+        _, state, traces = fit_samples(samples, solve)
+        parameters = {"B": state.B, "G": state.G, "rho_d": state.rho_d}
+        return ChannelFit(parameters, tuple(traces))
+
+    parameters, records = fit_channels(table, objective, fit_channel, coefficients=("B", "rho_d"))
+    return Fit(NAME, parameters, table.grid, records)
+
+
+def tabulate(fit: Fit) -> Table:
+    """Values of a fit at every cell of its grid, in 1/sr."""
+    p = {name: array.astype(float) for name, array in fit.parameters.items()}
+    channels = [
+        tabulate_product(fit.grid, B, G, rho_d, 1.0)
+        for B, G, rho_d in zip(p["B"], p["G"], p["rho_d"], strict=True)
+    ]
+    return as_table(channels, fit.grid)

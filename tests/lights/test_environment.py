@@ -36,7 +36,7 @@ def spiky(rows: int = 12, columns: int = 24) -> Environment:
 def test_axes_point_into_the_right_texels(direction, row, column):
     light = Environment(np.ones((8, 16, 3)))
     # A little right of and below the boundary between texels.
-    nudged = np.array(direction) + (1e-6, -1e-6, 1e-6 * np.sign(direction[0]))
+    nudged = np.add(direction, (1e-6, -1e-6, 1e-6 * np.sign(direction[0])))
     found = np.divmod(light.texel(nudged / np.linalg.norm(nudged)), 16)
     assert found[0] == row
     assert column is None or found[1] == column
@@ -114,7 +114,7 @@ def test_estimates_by_samples_agree_with_the_sum_over_texels():
     terms = weighted / light.pdf(direction)[:, None]
     error = terms.std(axis=0) / np.sqrt(len(terms))
     assert (np.abs(terms.mean(axis=0) - exact) < 4 * error).all()
-    assert (error < 0.01 * exact).all()
+    assert (error < 0.03 * exact).all()
 
 
 def test_samples_keep_the_stratification_of_their_numbers():

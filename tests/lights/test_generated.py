@@ -12,7 +12,7 @@ from npfm.lights.places import shapes
 def lights():
     """Every light, small and with few directions a texel."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(generated, "FINE_ROWS", 256)
+        patch.setattr(generated, "FINE_ROWS", 128)
         return {name: generate(name, 64) for name in LIGHTS}
 
 
@@ -36,23 +36,23 @@ def test_there_are_four_lights_of_the_wanted_size(lights):
 
 @pytest.mark.parametrize("name", LIGHTS)
 def test_the_same_place_at_another_height(lights, name, monkeypatch):
-    monkeypatch.setattr(generated, "FINE_ROWS", 256)
+    monkeypatch.setattr(generated, "FINE_ROWS", 128)
     coarse = generate(name, 32)
     np.testing.assert_allclose(mean(coarse), mean(lights[name]), rtol=1e-9)
     halved = lights[name].radiance.reshape(32, 2, 64, 2, 3)
-    weight = lights[name].solid_angle.reshape(32, 2) / coarse.solid_angle[:, None] / 4
-    np.testing.assert_allclose(
-        np.einsum("rsctk,rs->rck", halved, 2 * weight) / 2, coarse.radiance / 2, rtol=1e-9
-    )
+    weight = lights[name].solid_angle.reshape(32, 2) / coarse.solid_angle[:, None]
+    merged = np.einsum("rsctk,rs->rck", halved, weight)
+    np.testing.assert_allclose(merged, coarse.radiance, rtol=1e-9)
 
 
 def test_a_light_is_the_same_every_time(lights, monkeypatch):
-    monkeypatch.setattr(generated, "FINE_ROWS", 256)
+    monkeypatch.setattr(generated, "FINE_ROWS", 128)
     shapes._lattice.cache_clear()
     assert (generate("grove", 64).radiance == lights["grove"].radiance).all()
 
 
-def test_the_cathedral_is_dark_with_small_brilliant_windows():
+def test_the_cathedral_is_dark_with_small_brilliant_windows(monkeypatch):
+    monkeypatch.setattr(generated, "FINE_ROWS", 512)
     light = generate("cathedral", 256)
     luminance = light.radiance @ LUMINANCE
     assert luminance.max() > 1e4 * quantile(light, 0.5)
@@ -90,7 +90,7 @@ def test_the_papers_exposure_shows_a_white_ball(lights, name, exposure):
 
 
 def test_a_light_that_does_not_exist():
-    with pytest.raises(NpfmError, match="unknown generated light 'desert'.*cathedral, house"):
+    with pytest.raises(NpfmError, match=r"unknown generated light 'desert'.*cathedral.*house"):
         generate("desert", 64)
 
 

@@ -18,7 +18,11 @@ CONFIG = {
     "dataset": {"kind": "synthetic", "materials": ["chalk"]},
     "objective": {"compressive": True, "max_angle": 89.0},
     "solver": {"method": "gauss-newton", "tolerance": 1e-3, "max_iterations": 5},
-    "variants": ["bivariate", "naive", {"name": "old", "model": "naive", "solver": {"method": "awls"}}],
+    "variants": [
+        "bivariate",
+        "naive",
+        {"name": "old", "model": "naive", "solver": {"method": "awls"}},
+    ],
     "lights": {name: {"generate": name} for name in ("cathedral", "grove")},
     "light_height": 16,
     "scenes": {
@@ -34,6 +38,7 @@ class Project:
     """A copy of the project that tests may edit."""
 
     folder: Path
+    config = CONFIG
 
     def snakemake(self, *arguments: str) -> subprocess.CompletedProcess:
         """Run Snakemake in the copy, on the copied package."""
@@ -60,15 +65,13 @@ class Project:
         run = self.snakemake("--dry-run")
         assert run.returncode == 0, run.stdout + run.stderr
         outputs = re.findall(r"^ +output: (.*)$", run.stdout + run.stderr, re.MULTILINE)
-        return {
-            name.removeprefix("results/tiny/") for line in outputs for name in line.split(", ")
-        }
+        return {name.removeprefix("results/tiny/") for line in outputs for name in line.split(", ")}
 
 
 def copied(folder: Path) -> Project:
     """Copy the project's code."""
     ignore = shutil.ignore_patterns("__pycache__")
-    for name in ("npfm", "workflow"):
+    for name in ("npfm", "workflow", "profiles"):
         shutil.copytree(ROOT / name, folder / name, ignore=ignore)
     shutil.copy(ROOT / "Snakefile", folder)
     project = Project(folder)

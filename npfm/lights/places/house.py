@@ -92,7 +92,7 @@ def _beams(points: Array) -> Array:
     return (tone * (0.6 + 0.8 * noise(points * (8, 8, 1.5), 53, 3)))[:, None] * WOOD
 
 
-def _view(direction: Array, base: Array) -> Array:
+def _view(direction: Array) -> Array:
     """Bright hazy sky over hills with trees and houses."""
     up, turn = direction[:, 1], np.arctan2(direction[:, 0], -direction[:, 2])
     around = np.stack([6 * turn, 9 * up, 0 * up], axis=1)
@@ -114,7 +114,7 @@ def _window(points: Array, direction: Array, wall: Array) -> Array:
     frame &= middle | (np.abs(repeat(x, 0.4)) > 0.17) | (np.abs(repeat(height, 0.75)) > 0.345)
     opening = (middle | sides)[:, None]
     leading = frame[:, None]
-    return np.where(opening, np.where(leading, 0.4 * wall, _view(direction, wall)), wall)
+    return np.where(opening, np.where(leading, 0.4 * wall, _view(direction)), wall)
 
 
 def _side_windows(points: Array, direction: Array, wall: Array) -> Array:
@@ -122,7 +122,7 @@ def _side_windows(points: Array, direction: Array, wall: Array) -> Array:
     along = np.minimum(np.abs(z + 1.6), np.abs(z - 1.8))
     opening = (along < 0.75) & (np.abs(height - 1.45) < 0.75)
     bars = (np.abs(along - 0.25) < 0.025) | (np.abs(height - 1.7) < 0.025) | (along > 0.7)
-    seen = np.where(bars[:, None], 0.3 * wall, 0.8 * _view(direction[:, [2, 1, 0]], wall))
+    seen = np.where(bars[:, None], 0.3 * wall, 0.8 * _view(direction[:, [2, 1, 0]]))
     return np.where(opening[:, None], seen, wall)
 
 

@@ -1,0 +1,196 @@
+"""The bivariate-g model with B compressed to a few products of one-dimensional factors.
+
+rho = rho_d + K max(0, sum_r U_r(theta_h) V_r(theta_d)), K = G(theta_i) G(theta_o) / (cos cos).
+Bagher et al. 2016 leave open in their conclusion how to compress B, and find that truncating its
+singular value decomposition does poorly. With the G of the bivariate-g fit held, the objective is
+sum wK^2 (B - B*)^2 over the cells plus a constant, B* being the best free B: a weighted low-rank
+approximation (Srebro and Jaakkola 2003), solved by alternating least squares. Factors may be
+negative; clamping their sum at 0 can only bring it nearer to B* >= 0, so that this is never
+worse than factors that are non-negative themselves.
+"""
+
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from npfm.errors import NpfmError
+from npfm.fits import Fit, Trace
+from npfm.grid import Grid
+from npfm.merl import Table
+from npfm.models import bivariate_g
+from npfm.models.bivariate_g import BivariateGProblem, State, best_B
+from npfm.models.channels import ChannelFit, as_table, fit_channels
+from npfm.models.microfacet import G_NODES, tabulate_product
+from npfm.objective import Objective, Samples
+from npfm.solvers.problem import Solve
+
+NAME = "low-rank-b"
+RANK = 4  # products in B
+RANDOM_STARTS = 2
+#: A run has converged when a sweep lowers the objective by less than this share.
+TOLERANCE, MAX_SWEEPS = 1e-6, 1000
+#: Cells without a sample are held to the value of the nearest one that has, at this share of its
+#: weight: a low rank leaves them no value of their own.
+HOLD = 1e-6
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Compressed:
+    """Factors of B, shapes (theta_h, rank) and (theta_d, rank), and the state they make."""
+
+    U: Array
+    V: Array
+    state: State
+
+
+class Compressor:
+    """Alternating weighted least squares for the B of one channel.
+
+    Rows and columns are scaled so that the weights of the cells are about equal; the spread of
+    wK^2, many decades, would else be that of the equations to solve.
+
+    Parameters
+    ----------
+    problem : BivariateGProblem
+        The fit of the channel.
+    free : State
+        Its result, whose G is held.
+    """
+
+    def __init__(self, problem: BivariateGProblem, free: State):
+        self.problem, self.free = problem, free
+        weight = np.where(free.sums.w > 0, free.sums.wkk, HOLD * free.sums.wkk[problem.nearest])
+        self.rows, self.columns = np.sqrt(weight.sum(1))[:, None], np.sqrt(weight.sum(0))[:, None]
+        self.scale = self.rows * self.columns.T
+        self.weight = weight / self.scale**2
+
+    def starts(self, rank: int, seed: int) -> dict[str, Array]:
+        """Return what V is begun with: two singular value decompositions, and random ones."""
+        rng = np.random.default_rng(seed)
+        named = {
+            "weighted-svd": np.linalg.svd(self.free.B * self.scale)[2][:rank].T,
+            "svd": np.linalg.svd(self.free.B)[2][:rank].T * self.columns,
+        }
+        shape = len(self.columns), rank
+        random = {f"random-{k + 1}": rng.standard_normal(shape) for k in range(RANDOM_STARTS)}
+        return named | random
+
+    def minimise(self, name: str, V: Array, began: float) -> tuple[Compressed, Trace]:
+        """Alternate from a start for V, the best constant first; `began` is when time began."""
+        found = self._constant(V)
+        rho_d = self.free.rho_d
+        objectives = [self.problem.objective(found.state)]
+        seconds, status = [time.perf_counter() - began], "iteration cap"
+        while len(objectives) <= MAX_SWEEPS:
+            candidate = self._swept(rho_d, V)
+            reached = self.problem.objective(candidate.state)
+            decrease = objectives[-1] - reached
+            if decrease > 0:
+                found, rho_d, V = candidate, candidate.state.rho_d, candidate.V
+                objectives.append(reached)
+                seconds.append(time.perf_counter() - began)
+            if decrease <= TOLERANCE * reached:
+                status = "converged"
+                break
+        energy = self.problem.energy or 1.0
+        relative = tuple(objective / energy for objective in objectives)
+        return found, Trace(name, status, len(objectives) - 1, 0, tuple(seconds), relative)
+
+    def _constant(self, V: Array) -> Compressed:
+        U = np.zeros((len(self.rows), V.shape[1]))
+        return Compressed(U, np.zeros_like(V), self._with_B(np.zeros_like(self.scale)))
+
+    def _swept(self, rho_d: float, V: Array) -> Compressed:
+        """Solve for U, for V, and for rho_d."""
+        target = best_B(self.free.sums, rho_d)[self.problem.nearest] * self.scale
+        # Only the span of V matters for U; an orthonormal basis of it keeps the rows well posed.
+        U = _solved_rows(target, self.weight, np.linalg.qr(V)[0])
+        U = np.linalg.qr(U)[0]
+        V = _solved_rows(target.T, self.weight.T, U)
+        return Compressed(U, V, self._with_B(np.maximum(U @ V.T / self.scale, 0.0)))
+
+    def _with_B(self, B: Array) -> State:
+        sums = self.free.sums
+        rho_d = (sums.wr.sum() - np.vdot(B, sums.wk)) / sums.w.sum()
+        return replace(self.free, B=B, rho_d=max(float(rho_d), 0.0))
+
+    def parameters(self, found: Compressed) -> dict[str, NDArray]:
+        """Return what is stored, V scaled to largest magnitude 1."""
+        V = found.V / self.columns
+        top = np.abs(V).max() or 1.0
+        state = found.state
+        return {"U": found.U / self.rows * top, "V": V / top, "G": state.G, "rho_d": state.rho_d}
+
+
+def _solved_rows(target: Array, weight: Array, V: Array) -> Array:
+    """Weighted least-squares U of target = U V^T, row by row."""
+    pairs = (V[:, :, None] * V[:, None, :]).reshape(len(V), -1)
+    matrices = (weight @ pairs).reshape(-1, V.shape[1], V.shape[1])
+    return np.linalg.solve(matrices, ((weight * target) @ V)[..., None])[..., 0]
+
+
+def parameter_count(grid: Grid, rank: int = RANK) -> int:
+    """Number of values stored for a material: U, V, G and rho_d for each channel."""
+    return 3 * (rank * (grid.theta_h_bins + grid.theta_d_bins) + G_NODES + 1)
+
+
+def fit(table: Table, objective: Objective, solve: Solve, seed: int, *, rank: int = RANK) -> Fit:
+    """Fit bivariate-g, then compress its B from several starts and keep the best.
+
+    Parameters
+    ----------
+    table : Table
+        Measured BRDF in 1/sr.
+    objective : Objective
+        Weights and range.
+    solve : Solve
+        A solver with its settings, for bivariate-g.
+    seed : int
+        Seed of the random starts.
+    rank : int
+        Number of products in B.
+
+    Raises
+    ------
+    NpfmError
+        If the rank is not possible, or a channel has no sample that counts.
+    """
+    most = min(table.grid.shape[:2])
+    if not 1 <= rank <= most:
+        raise NpfmError(f"{NAME} of rank {rank}: give a rank from 1 to {most}")
+
+    def fit_channel(samples: Samples, channel: int) -> ChannelFit:
+        began = time.perf_counter()
+        problem, free, traces = bivariate_g.fit_samples(samples, solve)
+        compressor = Compressor(problem, free)
+        runs = [
+            compressor.minimise(name, V, began) for name, V in compressor.starts(rank, seed).items()
+        ]
+        runs.sort(key=lambda run: run[1].objective[-1])
+        best, _ = runs[0]
+        return ChannelFit(
+            compressor.parameters(best), tuple(_after(trace, traces) for _, trace in runs)
+        )
+
+    parameters, records = fit_channels(table, objective, fit_channel, coefficients=("U", "rho_d"))
+    return Fit(NAME, parameters, table.grid, records)
+
+
+def _after(trace: Trace, earlier: list[Trace]) -> Trace:
+    """Return a trace whose status says if the fit it started from was not finished."""
+    unfinished = [run.status for run in earlier if run.status != "converged"]
+    return replace(trace, status=unfinished[0]) if unfinished else trace
+
+
+def tabulate(fit: Fit) -> Table:
+    """Values of a fit at every cell of its grid, in 1/sr."""
+    p = {name: array.astype(float) for name, array in fit.parameters.items()}
+    channels = [
+        tabulate_product(fit.grid, np.maximum(U @ V.T, 0.0), G, rho_d, 1.0)
+        for U, V, G, rho_d in zip(p["U"], p["V"], p["G"], p["rho_d"], strict=True)
+    ]
+    return as_table(channels, fit.grid)
