@@ -14,7 +14,7 @@ Array = NDArray[np.floating]
 
 #: How far above the surface shadow rays start. It steps over the rounding of Embree's float32 (5e-7
 #: at the distance of a camera) and over the cracks between the layers of a scan, and is a
-#: fifteenth of a pixel in a picture of 128 pixels.
+#: twentieth of a pixel in a picture of 128 pixels.
 OFFSET = 1e-3
 
 

@@ -46,3 +46,32 @@ rule figures:
     input:
         expand(rules.figure08.output, order=RUN.orders),
         rules.table1.output,
+
+
+rule page:
+    input:
+        pictures=expand(
+            f"{OUT}/renders/{{scene}}/{{{{material}}}}/{{variant}}.png",
+            scene=RUN.scenes,
+            variant=["measured", *RUN.variants],
+        ),
+        psnr=rules.psnr_table.output,
+    output:
+        f"{OUT}/figures/pages/{{material}}.png",
+    log:
+        f"{OUT}/logs/figures/pages/{{material}}.log",
+    conda:
+        "../envs/npfm.yaml"
+    resources:
+        mem_mb=500,
+    params:
+        code=digest(("npfm.figures.page",), ("npfm.commands.figure",)),
+        names=f"--run {OUT} {VARIANTS} --scenes {' '.join(RUN.scenes)}",
+    shell:
+        "python -m npfm figure page {params.names} --material {wildcards.material}"
+        " --psnr {input.psnr} -o {output} 2> {log}"
+
+
+rule pages:
+    input:
+        expand(rules.page.output, material=RUN.materials),
