@@ -63,17 +63,17 @@ def build(
     resolution : int
         Pixels along one side of the square picture.
     samples : int
-        Light directions for a pixel, shared evenly by the camera rays of the pixel, and by
-        sampling of the light and of half vectors. Pixels that mirror a bright light get a
-        multiple; the average is at most twice this number.
+        Light directions for a pixel, rounded down to be shared evenly by the camera rays of the
+        pixel, and by sampling of the light and of half vectors. Pixels that mirror a bright light
+        get a multiple; the average is at most twice this number.
     seed : int
         Of the rotations that make the errors of pixels independent.
 
     Raises
     ------
     NpfmError
-        If the samples do not suffice for one of each strategy per camera ray, or the mesh of
-        the scene cannot be used.
+        If the samples do not suffice for one of each strategy per camera ray, the mesh of the
+        scene cannot be used, or the picture is too small to show the objects.
     """
     setup = _prepare(scene, environment, grid, resolution, seed)
     least = len(setup.offsets) * len(setup.strategies)
@@ -82,12 +82,16 @@ def build(
     surface, coverage, backdrop = look(
         CAMERA, setup.objects, environment, setup.offsets, resolution
     )
+    if len(surface) == 0:
+        raise NpfmError(f"no ray of {resolution} x {resolution} pixels meets an object; use more")
     counts = samples // least * _multiples(surface, environment, grid)
     blocks = [_rows(surface[part], counts[part], setup) for part in _parts(surface, counts)]
-    entries, indices, weights = zip(*blocks, strict=True)
+    pixels, entries, indices, weights = zip(*blocks, strict=True)
     del blocks
+    indptr = np.zeros(resolution**2 + 1, dtype=np.int64)
+    indptr[1 + np.concatenate(pixels)] = np.concatenate(entries)
     return Transport(
-        indptr=np.concatenate([[0], np.cumsum(np.sum(entries, axis=0))]),
+        indptr=np.cumsum(indptr),
         indices=np.concatenate(indices),
         weights=np.concatenate(weights, axis=1),
         coverage=coverage,
@@ -125,7 +129,7 @@ def _multiples(surface: Surface, environment: Environment, grid: Grid) -> NDArra
         view, normal = surface.view[part], surface.normal[part]
         light = strategy.sample(np.broadcast_to(u, (len(view), *u.shape)), view, normal)
         shown[part] = (environment.lookup(light) @ LUMINANCE).mean(axis=1)
-    ratio = np.clip(shown / shown.mean(), 1, MOST_MULTIPLE)
+    ratio = np.clip(shown / max(shown.mean(), np.finfo(float).tiny), 1, MOST_MULTIPLE)
     return 2 ** np.log2(ratio).astype(int)
 
 
@@ -138,8 +142,8 @@ def _parts(surface: Surface, counts: NDArray[np.int64]) -> Iterator[slice]:
         yield slice(first, last)
 
 
-def _rows(surface: Surface, counts: NDArray, setup: Setup) -> tuple[NDArray, NDArray, NDArray]:
-    """Rows of the matrix for whole pixels: entries per pixel, cells (n,), weights (3, n)."""
+def _rows(surface: Surface, counts: NDArray, setup: Setup) -> tuple[NDArray, ...]:
+    """Rows of the matrix: pixels, their numbers of entries, cells (n,) and weights (3, n)."""
     levels = np.unique(counts).tolist()
     parts = [_gather(surface[counts == count], count, setup) for count in levels]
     pixel, cell, weights = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
@@ -149,8 +153,7 @@ def _rows(surface: Surface, counts: NDArray, setup: Setup) -> tuple[NDArray, NDA
     first = np.flatnonzero(np.diff(key, prepend=-1))
     merged = np.add.reduceat(weights[:, order], first, axis=1) if len(first) else weights
     pixel, cell = np.divmod(key[first], setup.grid.cells)
-    entries = np.bincount(pixel, minlength=setup.shifts.shape[1])
-    return entries, cell.astype(np.int32), merged.astype(np.float32)
+    return *np.unique(pixel, return_counts=True), cell.astype(np.int32), merged.astype(np.float32)
 
 
 def _gather(surface: Surface, count: int, setup: Setup) -> tuple[NDArray, NDArray, NDArray]:

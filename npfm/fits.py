@@ -1,6 +1,7 @@
 """What a fit is: parameters in float32, and the record of how they were found."""
 
 import json
+import zipfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -110,6 +111,8 @@ def save(path: str | Path, fit: Fit) -> None:
 
     The parameters alone are the fit: the same seed gives the same bytes. Times are in the record.
     """
+    if Path(path).suffix != ".npz":
+        raise NpfmError(f"{path}: a fit is written as .npz; give a name that ends so")
     labels = {"format": FORMAT, "model": fit.model, "units": UNITS}
     about = {name: np.array(text) for name, text in labels.items()}
     with replacing(path) as temporary:
@@ -133,9 +136,10 @@ def load(path: str | Path) -> Fit:
         If the file is absent or is not a fit.
     """
     try:
-        with np.load(path, allow_pickle=False) as archive:
+        # A zip and nothing else: np.load would also take single arrays and pickles.
+        with open(path, "rb") as file, zipfile.ZipFile(file), np.load(file) as archive:
             arrays = {name: archive[name] for name in archive.files}
-    except (OSError, ValueError, EOFError) as error:
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
         raise NpfmError(
             f"{path}: cannot be read as a fit ({error}); make it with npfm fit"
         ) from error
@@ -148,8 +152,17 @@ def load(path: str | Path) -> Fit:
 
 def load_record(path: str | Path) -> dict:
     """Read the record beside the fit at `path`, with its channels as `ChannelRecord`."""
-    record = json.loads(record_path(path).read_text())
+    try:
+        record = json.loads(record_path(path).read_text())
+    except (OSError, ValueError) as error:
+        raise NpfmError(
+            f"{record_path(path)}: cannot be read as the record of a fit ({error}); "
+            "make it again with npfm fit"
+        ) from error
     channels = record.pop("channels")
     for channel in channels:
-        channel["traces"] = tuple(Trace(**trace) for trace in channel["traces"])
+        channel["traces"] = tuple(
+            Trace(**trace | {key: tuple(trace[key]) for key in ("seconds", "objective")})
+            for trace in channel["traces"]
+        )
     return record | {"channels": tuple(ChannelRecord(**channel) for channel in channels)}

@@ -130,7 +130,7 @@ def test_turning_the_light_about_the_view_axis_turns_the_picture():
         light = octants(turned)
         corner = np.array([1, 1, -1]) / np.sqrt(3)
         np.testing.assert_array_equal(light.lookup(corner), turned[1, 1, 0])
-        transport = build(SPHERE, light, SMALL, 20, 8192, 0)
+        transport = build(SPHERE, light, SMALL, 20, 4096, 0)
         pictures.append(colours(transport, glossy(SMALL)))
     # From x towards y in the light is counter-clockwise in the picture.
     first, second = (p[transport.foreground] for p in (np.rot90(pictures[0]), pictures[1]))
@@ -142,7 +142,7 @@ def test_turning_the_light_about_the_view_axis_turns_the_picture():
 def test_radially_symmetric_light_gives_a_symmetric_picture():
     radiance = np.zeros((2, 2, 2, 3))
     radiance[..., 0, :], radiance[..., 1, :] = 3.0, 0.5
-    transport = build(SPHERE, octants(radiance), SMALL, 20, 8192, 0)
+    transport = build(SPHERE, octants(radiance), SMALL, 20, 4096, 0)
     picture = colours(transport, glossy(SMALL))
     for image in (np.rot90(picture), picture[::-1], picture[:, ::-1]):
         np.testing.assert_allclose(image, picture, rtol=0.05)
@@ -150,7 +150,7 @@ def test_radially_symmetric_light_gives_a_symmetric_picture():
 
 def quadrature(point, view, normal, light, table):
     """Radiance of a point by a plain lattice of directions over the whole sphere."""
-    rows = 600
+    rows = 360
     theta = (np.arange(rows) + 0.5) * np.pi / rows
     phi = (np.arange(2 * rows) + 0.5) * np.pi / rows
     total = np.zeros(3)
@@ -167,9 +167,9 @@ def quadrature(point, view, normal, light, table):
 
 def test_pixels_agree_with_a_slow_quadrature():
     light, table, resolution = noise_light(), glossy(), 15
-    transport = build(SPHERE, light, MERL, resolution, 16384, 0)
+    transport = build(SPHERE, light, MERL, resolution, 8192, 0)
     picture = colours(transport, table)
-    for row, column in [(7, 7), (3, 9), (10, 2), (12, 8)]:
+    for row, column in [(7, 7), (3, 9), (12, 8)]:
         pixel = np.array([row * resolution + column])
         direction = CAMERA.directions(pixel, np.array([[0.5, 0.5]]), resolution)[:, 0]
         hit = nearest(place(SPHERE), CAMERA.position[None], direction)
@@ -180,8 +180,8 @@ def test_pixels_agree_with_a_slow_quadrature():
 
 def test_antialiasing_leaves_the_interior_as_it_is():
     light = Environment(np.repeat(np.linspace(1, 2, 32), 64).reshape(32, 64, 1) * np.ones(3))
-    plain = build(SPHERE, light, SMALL, 24, 4096, 0)
-    smooth = build(Scene(("sphere",), ("antialiasing",)), light, SMALL, 24, 4096, 0)
+    plain = build(SPHERE, light, SMALL, 24, 2048, 0)
+    smooth = build(Scene(("sphere",), ("antialiasing",)), light, SMALL, 24, 2048, 0)
     y, x = np.mgrid[-11.5:12, -11.5:12]
     inside = np.hypot(x, y) < 8
     pictures = [colours(t, uniform(SMALL))[inside] for t in (plain, smooth)]
@@ -251,9 +251,22 @@ def test_points_that_mirror_a_lamp_get_more_samples():
     np.testing.assert_array_equal(assembly._multiples(surface, WHITE, MERL), 1)
 
 
+def test_light_that_no_highlight_shows_is_no_obstacle():
+    # Light straight from behind the sphere: its reflection is nowhere to be seen.
+    radiance = np.zeros((64, 128, 3))
+    radiance[32, 64] = 1.0
+    transport = build(SPHERE, Environment(radiance), SMALL, 8, 64, 0)
+    np.testing.assert_array_equal(colours(transport, glossy(SMALL))[transport.foreground], 0)
+
+
 def test_too_few_samples_are_refused():
     with pytest.raises(NpfmError, match=r"16 samples a pixel are too few.*use 32"):
         build(Scene(("sphere",), ("antialiasing",)), WHITE, SMALL, 8, 16, 0)
+
+
+def test_a_picture_without_an_object_is_refused():
+    with pytest.raises(NpfmError, match="1 x 1 pixels"):
+        build(BOTH, WHITE, SMALL, 1, 8, 0)
 
 
 def test_render_refuses_a_table_on_another_grid():
@@ -288,7 +301,7 @@ def test_save_and_load(tmp_path):
 
 
 def test_rendering_does_not_copy_what_is_mapped(tmp_path):
-    save(tmp_path / "scene", build(SPHERE, noise_light(), SMALL, 24, 4096, 1))
+    save(tmp_path / "scene", build(SPHERE, noise_light(), SMALL, 24, 2048, 1))
     loaded, table = load(tmp_path / "scene"), glossy(SMALL)
     tracemalloc.start()
     render(loaded, table)

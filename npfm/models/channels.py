@@ -14,7 +14,10 @@ from npfm.objective import Objective, Samples, channel_samples, fold
 
 @dataclass(frozen=True)
 class ChannelFit:
-    """Parameters of one channel in units of the samples' scale, and how they were found."""
+    """Parameters of one channel in units of the samples' scale, and how they were found.
+
+    The first trace is that of the start that led to the parameters.
+    """
 
     parameters: dict[str, NDArray]
     traces: tuple[Trace, ...]
@@ -53,7 +56,7 @@ def fit_channels(
         samples = channel_samples(table, channel, objective)
         folded = fold(samples)
         result = fit_channel(folded if reciprocal else samples, channel)
-        best = min(result.traces, key=lambda trace: trace.objective[-1])
+        best = result.traces[0]
         energy = folded.energy or 1.0
         fitted.append(
             {

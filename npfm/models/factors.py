@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 
 #: What stands for 0 where a logarithm is taken.
 SMALLEST = 1e-12
+#: Least share of rho_s in the mean, where the product falls as the measurement rises: the model
+#: is next to constant then, and the factors keep a derivative to turn round by.
+LEAST_SHARE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -77,9 +80,11 @@ def coefficients(sums: Sums, product: Array) -> tuple[float, float]:
     w, wy = sums.w.sum(), sums.wr.sum()
     wx, wxx = np.vdot(product, sums.wk), np.vdot(product**2, sums.wkk)
     wxy = np.vdot(product, sums.wrk)
+    if w == 0:
+        return 0.0, 0.0
     variance, covariance = wxx - wx * wx / w, wxy - wx * wy / w
     if variance > 1e-12 * wxx:
-        rho_s = covariance / variance
+        rho_s = covariance / variance if covariance > 0 else LEAST_SHARE * wy / wx
         rho_d = (wy - rho_s * wx) / w
         if rho_d >= 0 and rho_s > 0:
             return float(rho_d), float(rho_s)
@@ -162,6 +167,13 @@ class FactorProblem(ABC):
         nh, nd, _ = self.samples.grid.shape
         return self.state(*np.split(np.exp(packed), [nh, nh + nd]))
 
+    @staticmethod
+    def bounded(gradient: Array, matrix: Array, rho_d: float) -> tuple[Array, Array]:
+        """Drop rho_d, the last unknown, where it is 0 and would fall further."""
+        if rho_d == 0 and gradient[-1] > 0:
+            gradient[-1], matrix[-1], matrix[:, -1] = 0.0, 0.0, 0.0
+        return gradient, matrix
+
     def tops(self, packed: Array) -> NDArray[np.intp]:
         """Return, for each packed unknown, where the largest component of its factor is."""
         nh, nd, _ = self.samples.grid.shape
@@ -179,7 +191,8 @@ class FactorProblem(ABC):
     def objective(self, state: State) -> float:
         """Objective of equation 7, the floor included."""
         f = state.factors
-        return self.samples.floor + state.sums.objective(state.product, f.rho_d, f.rho_s)
+        reached = state.sums.objective(state.product, f.rho_d, f.rho_s)
+        return self.samples.floor + max(reached, 0.0)  # below 0 by rounding only
 
     def between(self, before: State, after: State, t: float) -> State:
         """Interpolate what differs between two states."""

@@ -10,7 +10,7 @@ from npfm.fits import Fit
 from npfm.grid import Grid
 from npfm.merl import Table
 from npfm.models.channels import ChannelFit, as_table, fit_channels
-from npfm.models.factors import SMALLEST, State, updated_D, updated_F
+from npfm.models.factors import SMALLEST, Factors, State, filled, updated_D, updated_F
 from npfm.models.microfacet import G_THETA, MicrofacetProblem, tabulate_channel
 from npfm.models.slices import factors_of_slices
 from npfm.models.smith import log_derivative, masking_shadowing
@@ -36,8 +36,9 @@ class GFromDProblem(MicrofacetProblem):
 
     def start(self, D: NDArray, F: NDArray) -> State:
         """Return the state of a normal distribution and a Fresnel factor."""
-        D = self.state(D, F, np.ones(G_THETA.size)).factors.D
-        return self.state(D, F, self.smith(D))
+        D, F = (filled(x, seen, self.clamp) for x, seen in zip((D, F), self.seen, strict=False))
+        state = State(Factors(D, F, self.smith(D), 0.0, 0.0), self.sums(self.smith(D)))
+        return state.with_coefficients()
 
     def pack(self, state: State) -> NDArray:
         """Logarithms of D and F."""

@@ -20,7 +20,7 @@ from npfm.fits import Fit, Trace
 from npfm.grid import Grid
 from npfm.merl import Table
 from npfm.models import bivariate_g
-from npfm.models.bivariate_g import BivariateGProblem, State, best_B
+from npfm.models.bivariate_g import BivariateGProblem, State
 from npfm.models.channels import ChannelFit, as_table, fit_channels
 from npfm.models.microfacet import G_NODES, tabulate_product
 from npfm.objective import Objective, Samples
@@ -47,6 +47,41 @@ class Compressed:
     state: State
 
 
+@dataclass(frozen=True)
+class Equations:
+    """Sums over phi_d that the factors and rho_d are solved from, in each cell.
+
+    Parameters
+    ----------
+    wkk, wrk, wk : ndarray, shape (theta_h, theta_d)
+        Sums of wK^2, wrK and wK for a scaled B.
+    w, wr : float
+        Sums of w and wr over everything.
+    """
+
+    wkk: Array
+    wrk: Array
+    wk: Array
+    w: float
+    wr: float
+
+    def transposed(self) -> "Equations":
+        """Return the equations with theta_h and theta_d exchanged."""
+        return replace(self, wkk=self.wkk.T, wrk=self.wrk.T, wk=self.wk.T)
+
+    def solved(self, V: Array) -> Array:
+        """Best U for a V, together with the rho_d >= 0 that is best for both."""
+        rank = V.shape[1]
+        pairs = (V[:, :, None] * V[:, None, :]).reshape(len(V), -1)
+        right, border = self.wrk @ V, self.wk @ V
+        matrices = (self.wkk @ pairs).reshape(-1, rank, rank)
+        solved = np.linalg.solve(matrices, np.stack([right, border], axis=-1))
+        U, change = solved[..., 0], solved[..., 1]
+        slope = self.w - np.vdot(border, change)
+        rho_d = (self.wr - np.vdot(border, U)) / slope if slope > 1e-12 * self.w else 0.0
+        return U - max(rho_d, 0.0) * change
+
+
 class Compressor:
     """Alternating weighted least squares for the B of one channel.
 
@@ -63,10 +98,19 @@ class Compressor:
 
     def __init__(self, problem: BivariateGProblem, free: State):
         self.problem, self.free = problem, free
-        weight = np.where(free.sums.w > 0, free.sums.wkk, HOLD * free.sums.wkk[problem.nearest])
+        sums, seen = free.sums, free.sums.wkk > 0
+        weight = np.where(seen, sums.wkk, HOLD * sums.wkk[problem.nearest])
         self.rows, self.columns = np.sqrt(weight.sum(1))[:, None], np.sqrt(weight.sum(0))[:, None]
         self.scale = self.rows * self.columns.T
-        self.weight = weight / self.scale**2
+        # Where the best B is 0 it is sought as 0, not as the negative value that would fit better.
+        fitted = seen & (free.B > 0)
+        self.equations = Equations(
+            weight / self.scale**2,
+            np.where(fitted, sums.wrk, np.where(seen, 0.0, weight * free.B)) / self.scale,
+            np.where(fitted, sums.wk, 0.0) / self.scale,
+            sums.w.sum(),
+            sums.wr.sum(),
+        )
 
     def starts(self, rank: int, seed: int) -> dict[str, Array]:
         """Return what V is begun with: two singular value decompositions, and random ones."""
@@ -81,16 +125,19 @@ class Compressor:
 
     def minimise(self, name: str, V: Array, began: float) -> tuple[Compressed, Trace]:
         """Alternate from a start for V, the best constant first; `began` is when time began."""
-        found = self._constant(V)
-        rho_d = self.free.rho_d
+        found = self._made(np.zeros((len(self.rows), V.shape[1])), V)
         objectives = [self.problem.objective(found.state)]
         seconds, status = [time.perf_counter() - began], "iteration cap"
         while len(objectives) <= MAX_SWEEPS:
-            candidate = self._swept(rho_d, V)
+            # Only the span of one factor matters for the other, and an orthonormal basis of it
+            # keeps the equations well posed.
+            U = np.linalg.qr(self.equations.solved(np.linalg.qr(V)[0]))[0]
+            V = self.equations.transposed().solved(U)
+            candidate = self._made(U, V)
             reached = self.problem.objective(candidate.state)
             decrease = objectives[-1] - reached
             if decrease > 0:
-                found, rho_d, V = candidate, candidate.state.rho_d, candidate.V
+                found = candidate
                 objectives.append(reached)
                 seconds.append(time.perf_counter() - began)
             if decrease <= TOLERANCE * reached:
@@ -100,37 +147,18 @@ class Compressor:
         relative = tuple(objective / energy for objective in objectives)
         return found, Trace(name, status, len(objectives) - 1, 0, tuple(seconds), relative)
 
-    def _constant(self, V: Array) -> Compressed:
-        U = np.zeros((len(self.rows), V.shape[1]))
-        return Compressed(U, np.zeros_like(V), self._with_B(np.zeros_like(self.scale)))
-
-    def _swept(self, rho_d: float, V: Array) -> Compressed:
-        """Solve for U, for V, and for rho_d."""
-        target = best_B(self.free.sums, rho_d)[self.problem.nearest] * self.scale
-        # Only the span of V matters for U; an orthonormal basis of it keeps the rows well posed.
-        U = _solved_rows(target, self.weight, np.linalg.qr(V)[0])
-        U = np.linalg.qr(U)[0]
-        V = _solved_rows(target.T, self.weight.T, U)
-        return Compressed(U, V, self._with_B(np.maximum(U @ V.T / self.scale, 0.0)))
-
-    def _with_B(self, B: Array) -> State:
-        sums = self.free.sums
+    def _made(self, U: Array, V: Array) -> Compressed:
+        """Return factors with the state they make, its rho_d the best for it."""
+        sums, B = self.free.sums, np.maximum(U @ V.T / self.scale, 0.0)
         rho_d = (sums.wr.sum() - np.vdot(B, sums.wk)) / sums.w.sum()
-        return replace(self.free, B=B, rho_d=max(float(rho_d), 0.0))
+        return Compressed(U, V, replace(self.free, B=B, rho_d=max(float(rho_d), 0.0)))
 
     def parameters(self, found: Compressed) -> dict[str, NDArray]:
         """Return what is stored, V scaled to largest magnitude 1."""
         V = found.V / self.columns
-        top = np.abs(V).max() or 1.0
+        top = np.abs(V).max()
         state = found.state
         return {"U": found.U / self.rows * top, "V": V / top, "G": state.G, "rho_d": state.rho_d}
-
-
-def _solved_rows(target: Array, weight: Array, V: Array) -> Array:
-    """Weighted least-squares U of target = U V^T, row by row."""
-    pairs = (V[:, :, None] * V[:, None, :]).reshape(len(V), -1)
-    matrices = (weight @ pairs).reshape(-1, V.shape[1], V.shape[1])
-    return np.linalg.solve(matrices, ((weight * target) @ V)[..., None])[..., 0]
 
 
 def parameter_count(grid: Grid, rank: int = RANK) -> int:
@@ -171,19 +199,18 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int, *, rank: in
             compressor.minimise(name, V, began) for name, V in compressor.starts(rank, seed).items()
         ]
         runs.sort(key=lambda run: run[1].objective[-1])
-        best, _ = runs[0]
+        status = min(traces, key=lambda trace: trace.objective[-1]).status
         return ChannelFit(
-            compressor.parameters(best), tuple(_after(trace, traces) for _, trace in runs)
+            compressor.parameters(runs[0][0]), tuple(_after(trace, status) for _, trace in runs)
         )
 
     parameters, records = fit_channels(table, objective, fit_channel, coefficients=("U", "rho_d"))
     return Fit(NAME, parameters, table.grid, records)
 
 
-def _after(trace: Trace, earlier: list[Trace]) -> Trace:
-    """Return a trace whose status says if the fit it started from was not finished."""
-    unfinished = [run.status for run in earlier if run.status != "converged"]
-    return replace(trace, status=unfinished[0]) if unfinished else trace
+def _after(trace: Trace, status: str) -> Trace:
+    """Return a trace that says if the fit it started from, of a status, had not converged."""
+    return trace if status == "converged" else replace(trace, status=status)
 
 
 def tabulate(fit: Fit) -> Table:

@@ -167,7 +167,7 @@ class MicrofacetProblem(FactorProblem):
         f = state.factors
         product = np.outer(f.rho_s * f.D, f.F)
         gradient, upper = kernels.normal_equations(*self._arrays, product, f.third, f.rho_d, False)
-        return gradient, upper + np.triu(upper, 1).T
+        return self.bounded(gradient, upper + np.triu(upper, 1).T, f.rho_d)
 
 
 def tabulate_channel(

@@ -82,7 +82,8 @@ class NaiveProblem(FactorProblem):
                 [hp.T, dp.T, np.diag(hp.sum(0))],
             ]
         )
-        return gradient, np.block([[matrix, column], [column.T, s.w.sum()]])
+        matrix = np.block([[matrix, column], [column.T, s.w.sum()]])
+        return self.bounded(gradient, matrix, f.rho_d)
 
     @property
     def stages(self) -> tuple[tuple[Callable[[State], State], ...]]:

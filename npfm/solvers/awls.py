@@ -10,14 +10,14 @@ from collections.abc import Mapping
 
 from npfm.fits import Trace
 from npfm.solvers.golden import golden_section
-from npfm.solvers.problem import Problem, S, Solver, Update
+from npfm.solvers.problem import ROUNDING, Problem, S, Solver, Update
 
 
 def solve(problem: Problem[S], starts: Mapping[str, S], settings: Solver) -> tuple[S, list[Trace]]:
     """Run AWLS from each start; the state with the lowest objective and all traces."""
     runs = [minimise(problem, name, start, settings) for name, start in starts.items()]
-    best = min(runs, key=lambda run: run[1].objective[-1])
-    return best[0], [trace for _, trace in runs]
+    runs.sort(key=lambda run: run[1].objective[-1])
+    return runs[0][0], [trace for _, trace in runs]
 
 
 def minimise(problem: Problem[S], name: str, state: S, settings: Solver) -> tuple[S, Trace]:
@@ -34,7 +34,7 @@ def minimise(problem: Problem[S], name: str, state: S, settings: Solver) -> tupl
     gss_calls, status = 0, "converged"
     for updates in problem.stages:
         decrease = float("inf")
-        while decrease > settings.tolerance * objectives[-1]:
+        while decrease > settings.tolerance * objectives[-1] + ROUNDING * problem.energy:
             if len(objectives) > settings.max_iterations:
                 status = "iteration cap"
                 break

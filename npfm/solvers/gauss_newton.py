@@ -38,6 +38,8 @@ def solve(problem: Problem[S], starts: Mapping[str, S], settings: Solver) -> tup
         included; the others' are those of their runs on thinned samples.
     """
     coarse = problem.thinned(COARSE)
+    if coarse.energy == 0:  # so few samples that thinning leaves none
+        coarse = problem
     loose = replace(settings, tolerance=COARSE_TOLERANCE * settings.tolerance)
     runs = {
         name: minimise(coarse, name, coarse.unpack(problem.pack(start)), loose)
@@ -47,7 +49,7 @@ def solve(problem: Problem[S], starts: Mapping[str, S], settings: Solver) -> tup
     traces = {name: trace for name, (_, trace) in runs.items()}
     state = problem.unpack(coarse.pack(runs[best][0]))
     state, traces[best] = minimise(problem, best, state, settings, traces[best])
-    return state, list(traces.values())
+    return state, [traces.pop(best), *traces.values()]
 
 
 def minimise(

@@ -11,6 +11,9 @@ from npfm.fits import Trace
 S = TypeVar("S")
 Update = Callable[[S], S]
 
+#: Share of the energy below which an objective, a difference of sums, is rounding.
+ROUNDING = 1e-15
+
 
 class Problem(Protocol[S]):
     """The fit of one channel of one model; `S` is the model's own state."""

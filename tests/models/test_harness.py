@@ -29,7 +29,11 @@ STARTS = {
 }
 NOT_RECIPROCAL = {"naive"}
 FACTORS = {"D", "F", "G", "H"}
-COEFFICIENTS = {"rho_d", "rho_s", "B"}
+COEFFICIENTS = {"rho_d", "rho_s", "B", "U"}
+#: Factors whose products alone mean something.
+SIGNED = {"U", "V"}
+#: What may be left of a table that the model can meet, where that is more than 1e-8.
+EXACT = {"low-rank-b": 1e-6}  # alternating least squares stops a little earlier
 
 every_model = pytest.mark.parametrize("name", variants.MODELS)
 
@@ -41,6 +45,17 @@ def fitted(table):
     @cache
     def fit(name):
         return fit_with(name, table)
+
+    return fit
+
+
+@pytest.fixture(scope="session")
+def refitted(fitted):
+    """Fit of the table of that fit, which a model of its kind meets exactly."""
+
+    @cache
+    def fit(name):
+        return fit_with(name, tabulate(fitted(name)))
 
     return fit
 
@@ -66,21 +81,21 @@ def best_constant(table, channel):
     return evaluate(samples, np.full(table.grid.shape, mean)) / (samples.energy or 1.0)
 
 
-def shaped(grid, value):
-    """The same value in all three channels, invalid below the horizon."""
-    return Table(np.where(grid.above_horizon, value, INVALID) * np.ones((3, 1, 1, 1)), grid)
+def shaped(grid, *channels):
+    """A table of three channels, invalid below the horizon."""
+    return Table(np.stack([np.where(grid.above_horizon, v, INVALID) for v in channels]), grid)
 
 
 @every_model
 def test_parameters_are_what_they_should_be(fitted, name):
     fit = fitted(name)
     assert fit.model == name
-    assert fit.parameters.keys() <= FACTORS | COEFFICIENTS
+    assert fit.parameters.keys() <= FACTORS | COEFFICIENTS | SIGNED
     for key, array in fit.parameters.items():
         assert array.dtype == np.float32
         assert array.shape[0] == 3
         assert np.isfinite(array).all()
-        assert (array >= 0).all(), key
+        assert key in SIGNED or (array >= 0).all(), key
     clamp = np.float32(getattr(variants.model(name), "CLAMP", 0))
     for key in FACTORS & fit.parameters.keys():
         assert (fit.parameters[key].max(axis=1) == 1).all(), key
@@ -103,12 +118,11 @@ def test_reciprocity(fitted, name):
 
 
 @every_model
-def test_a_fit_of_its_own_table_is_exact(fitted, name):
+def test_a_fit_of_its_own_table_is_exact(fitted, refitted, name):
     """Whatever a model has fitted it can fit again, without the noise."""
-    table = tabulate(fitted(name))
-    again = tabulate(fit_with(name, table))
+    table, again = tabulate(fitted(name)), tabulate(refitted(name))
     for channel in range(3):
-        assert relative_objective(table, again, channel) < 1e-8
+        assert relative_objective(table, again, channel) < EXACT.get(name, 1e-8)
 
 
 @every_model
@@ -168,35 +182,39 @@ def test_a_fit_beats_the_best_constant(table, fitted, name, channel):
 
 
 def odd_tables(grid):
-    """Values that leave a model little to hold on to."""
+    """Values that leave a model little to hold on to, one a channel."""
     theta_h, (cos_i, cos_o) = grid.theta_h[:, None, None], grid.cosines
-    some = np.random.default_rng(5).random(grid.shape)
-    only = np.where(np.arange(grid.cells).reshape(grid.shape) == 1111, 0.7, 0.0)
+    noise = np.random.default_rng(5).random(grid.shape)
+    one_cell = np.arange(grid.cells).reshape(grid.shape) == 1111
     return {
-        "white": shaped(grid, 1 / np.pi),
-        "noise": shaped(grid, some),
-        "dark spot": shaped(grid, 1 - 0.9 * np.exp(-30 * theta_h**2)),
-        "dark at grazing": shaped(grid, np.minimum(cos_i, cos_o)),
-        "bright at grazing": shaped(grid, 1 / (0.05 + np.abs(cos_i * cos_o))),
-        "mirror": shaped(grid, 1e-3 + 1e3 * (theta_h < 0.02)),
-        "black but for the highlight": shaped(grid, 1.0 * (theta_h < 0.3)),
-        "one bright cell": shaped(grid, only),
+        "white, noise, dark spot": (1 / np.pi, noise, 1 - 0.9 * np.exp(-30 * theta_h**2)),
+        "dark or bright at grazing angles, a mirror": (
+            np.minimum(cos_i, cos_o),
+            1 / (0.05 + np.abs(cos_i * cos_o)),
+            1e-3 + 1e3 * (theta_h < 0.02),
+        ),
+        "one bright cell, black but for a highlight, a step": (
+            0.7 * one_cell,
+            1.0 * (theta_h < 0.3),
+            1.0 + (cos_i > cos_o),
+        ),
     }
 
 
 @every_model
-@pytest.mark.parametrize("kind", odd_tables(Grid(18, 18, 36)))
-def test_odd_tables_are_fitted_no_worse_than_by_a_constant(grid, name, kind):
-    table = odd_tables(grid)[kind]
+@pytest.mark.parametrize("kinds", odd_tables(Grid(18, 18, 36)))
+def test_odd_tables_are_fitted_no_worse_than_by_a_constant(grid, name, kinds):
+    table = shaped(grid, *odd_tables(grid)[kinds])
     fit = fit_with(name, table)
     assert all(np.isfinite(array).all() for array in fit.parameters.values())
-    found = relative_objective(table, tabulate(fit), 0)
-    assert found <= best_constant(table, 0) + 1e-8
+    for channel in range(3):
+        found = relative_objective(table, tabulate(fit), channel)
+        assert found <= best_constant(table, channel) + 1e-8
 
 
 @every_model
 def test_black_is_black(grid, name):
-    fit = fit_with(name, shaped(grid, 0.0))
+    fit = fit_with(name, shaped(grid, 0.0, 0.0, 0.0))
     values = tabulate(fit).values
     assert (values[:, grid.above_horizon] == 0).all()
     assert all(record.objective == record.objective_floor == 0 for record in fit.records)
@@ -216,17 +234,12 @@ def test_a_single_sample_is_met(grid, name, solver):
 
 
 @every_model
-@pytest.mark.parametrize("missing", ["near retro-reflection", "half vectors", "a channel's own"])
-def test_gaps_are_filled_in(table, name, missing):
+def test_gaps_are_filled_in(table, name):
     """The fit's table is what was fitted: the record says the same of it."""
     values = table.values.copy()
-    match missing:
-        case "near retro-reflection":
-            values[:, :, :4] = INVALID
-        case "half vectors":
-            values[:, [0, 1, 7, 16, 17]] = INVALID
-        case "a channel's own":
-            values[1, :3], values[2, :, -5:] = INVALID, INVALID
+    values[0, :, :4] = INVALID  # near retro-reflection
+    values[1, [0, 1, 7, 16, 17]] = INVALID  # half vectors
+    values[2, np.maximum(*table.grid.cosines) > 0.5] = INVALID  # all but grazing angles
     gaps = Table(values, table.grid)
     fit = fit_with(name, gaps)
     model = tabulate(fit)
@@ -280,10 +293,9 @@ def test_the_floor_is_that_of_the_table(table, fitted, name):
 
 
 @every_model
-def test_no_objective_is_negative(fitted, name):
+def test_no_objective_is_negative(refitted, name):
     """Of a table that the model fits exactly only rounding is left, and no less than 0."""
-    exact = fit_with(name, tabulate(fitted(name)))
-    for record in exact.records:
+    for record in refitted(name).records:
         assert min(min(trace.objective) for trace in record.traces) >= 0
 
 
@@ -304,7 +316,7 @@ def test_a_run_that_meets_the_cap_says_so(table, name, solver):
 )
 def test_awls_stops_when_nothing_is_left(grid, name):
     """Rounding is no reason to go on: a table without error is fitted before the cap."""
-    fit = fit_with(name, shaped(grid, 1 / np.pi), method="awls", max_iterations=50)
+    fit = fit_with(name, shaped(grid, 0.1, 0.2, 0.3), method="awls", max_iterations=50)
     if fit.records[0].objective < 1e-14:
         assert fit.records[0].status == "converged"
 
