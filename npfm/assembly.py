@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
+from tqdm import tqdm
 
 from npfm.effects import EFFECTS
 from npfm.errors import NpfmError
@@ -85,7 +86,8 @@ def build(
     if len(surface) == 0:
         raise NpfmError(f"no ray of {resolution} x {resolution} pixels meets an object; use more")
     counts = samples // least * _multiples(surface, environment, grid)
-    blocks = [_rows(surface[part], counts[part], setup) for part in _parts(surface, counts)]
+    parts = tqdm(list(_parts(surface, counts)), desc="scene", unit="block", disable=None)
+    blocks = [_rows(surface[part], counts[part], setup) for part in parts]
     pixels, entries, indices, weights = zip(*blocks, strict=True)
     del blocks
     indptr = np.zeros(resolution**2 + 1, dtype=np.int64)

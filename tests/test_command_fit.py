@@ -173,6 +173,13 @@ def test_a_fit_under_another_name_is_refused(capsys, tmp_path, felt, name):
     assert ".npz" in line
 
 
+def test_an_output_that_cannot_be_written_is_told_in_one_line(capsys, tmp_path, felt):
+    (tmp_path / "file").write_text("in the way")
+    output = tmp_path / "file" / "x.npz"
+    line = refused(capsys, tmp_path, "fit", felt, "--variant", "bivariate", "-o", output)
+    assert str(tmp_path / "file") in line
+
+
 def test_what_is_not_a_fit_is_not_tabulated(capsys, tmp_path, felt):
     output = tmp_path / "x.binary"
     assert str(felt) in refused(capsys, tmp_path, "tabulate", felt, "-o", output)

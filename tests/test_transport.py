@@ -167,7 +167,7 @@ def quadrature(point, view, normal, light, table):
 
 def test_pixels_agree_with_a_slow_quadrature():
     light, table, resolution = noise_light(), glossy(), 15
-    transport = build(SPHERE, light, MERL, resolution, 8192, 0)
+    transport = build(SPHERE, light, MERL, resolution, 16384, 0)
     picture = colours(transport, table)
     for row, column in [(7, 7), (3, 9), (12, 8)]:
         pixel = np.array([row * resolution + column])
