@@ -142,13 +142,13 @@ class Run:
 
     def scene_options(self, scene: str) -> str:
         """Arguments of ``npfm scene`` for a scene."""
-        described, picture = self.config["scenes"][scene], self.config["picture"]
+        described = self.config["scenes"][scene]
         effects = " ".join(described["effects"])
         return (
             f"--objects {' '.join(described['objects'])}"
             + (f" --effects {effects}" if effects else "")
             + "".join(f" --mesh '{mesh}'" for mesh in self.mesh(scene))
-            + f" --resolution {picture['resolution']} --samples {picture['samples']}"
+            + f" --resolution {self.config['resolution']} --samples {described['samples']}"
             + f" --seed {self.config['seed']}"
         )
 

@@ -71,7 +71,7 @@ def test_a_variant_may_have_settings_of_its_own():
         ({"dataset": {"materials": ["chalkk"]}}, r"'chalkk'; did you mean chalk"),
         ({"dataset": {"kind": "neural"}}, r"kind 'neural' needs a 'path'"),
         ({"dataset": {"kind": "neural", "path": "no.zip"}}, r"no\.zip: no such file"),
-        ({"picture": {"samples": 0}}, r"picture/samples: 0 is less than"),
+        ({"scenes": {"A": {"samples": 0}}}, r"scenes/A/samples: 0 is less than"),
     ],
 )
 def test_mistakes_are_told_in_one_line(changes, message):

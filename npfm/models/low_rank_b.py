@@ -102,8 +102,8 @@ class Compressor:
         weight = np.where(seen, sums.wkk, HOLD * sums.wkk[problem.nearest])
         self.rows, self.columns = np.sqrt(weight.sum(1))[:, None], np.sqrt(weight.sum(0))[:, None]
         self.scale = self.rows * self.columns.T
-        # Where the best B is 0 it is sought as 0, not as the negative value that would fit better.
-        fitted = seen & (free.B > 0)
+        self.dark = seen & (free.B == 0)
+        fitted = seen & ~self.dark
         self.equations = Equations(
             weight / self.scale**2,
             np.where(fitted, sums.wrk, np.where(seen, 0.0, weight * free.B)) / self.scale,
@@ -129,11 +129,8 @@ class Compressor:
         objectives = [self.problem.objective(found.state)]
         seconds, status = [time.perf_counter() - began], "iteration cap"
         while len(objectives) <= MAX_SWEEPS:
-            # Only the span of one factor matters for the other, and an orthonormal basis of it
-            # keeps the equations well posed.
-            U = np.linalg.qr(self.equations.solved(np.linalg.qr(V)[0]))[0]
-            V = self.equations.transposed().solved(U)
-            candidate = self._made(U, V)
+            candidate = self._swept(found.U, V)
+            V = candidate.V
             reached = self.problem.objective(candidate.state)
             decrease = objectives[-1] - reached
             if decrease > 0:
@@ -146,6 +143,16 @@ class Compressor:
         energy = self.problem.energy or 1.0
         relative = tuple(objective / energy for objective in objectives)
         return found, Trace(name, status, len(objectives) - 1, 0, tuple(seconds), relative)
+
+    def _swept(self, U: Array, V: Array) -> Compressed:
+        """Solve for U, then for V."""
+        # Where the best B is 0, any negative value is as good: one that is negative may stay.
+        held = self.equations.wkk * np.minimum(U @ V.T, 0.0)
+        equations = replace(self.equations, wrk=np.where(self.dark, held, self.equations.wrk))
+        # Only the span of one factor matters for the other, and an orthonormal basis of it keeps
+        # the equations well posed.
+        U = np.linalg.qr(equations.solved(np.linalg.qr(V)[0]))[0]
+        return self._made(U, equations.transposed().solved(U))
 
     def _made(self, U: Array, V: Array) -> Compressed:
         """Return factors with the state they make, its rho_d the best for it."""

@@ -112,7 +112,8 @@ def test_general_least_squares_find_the_same_minimum():
     grid = Grid(8, 8, 40)
     lobe = np.exp(-((np.tan(grid.theta_h[:, None, None]) / 0.3) ** 2)) + 0.3
     cos_i, cos_o = (np.maximum(cosine, 0) for cosine in grid.cosines)
-    value = 0.2 + 2 * lobe * np.sqrt((0.1 + cos_i) * (0.1 + cos_o))
+    fresnel = 0.05 + 0.95 * (1 - np.cos(grid.theta_d)[:, None]) ** 4
+    value = 0.2 + 2 * lobe * fresnel * np.sqrt((0.1 + cos_i) * (0.1 + cos_o))
     value *= 1 + 0.03 * np.random.default_rng(11).standard_normal(grid.shape)
     problem = BivariateGProblem(samples_of(shaped(grid, value)))
     start = problem.start(np.cos(G_THETA) ** 0.5)

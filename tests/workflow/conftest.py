@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).parents[2]
-SCENE = {"objects": ["sphere"], "effects": [], "exposure": 0.02, "gamma": 2.2}
+SCENE = {"objects": ["sphere"], "effects": [], "samples": 64, "exposure": 0.02, "gamma": 2.2}
 CONFIG = {
     "name": "tiny",
     "seed": 1,
@@ -29,7 +29,7 @@ CONFIG = {
         "A": SCENE | {"light": "cathedral"},
         "C": SCENE | {"light": "grove", "objects": ["figure", "sphere"], "effects": ["visibility"]},
     },
-    "picture": {"resolution": 8, "samples": 64},
+    "resolution": 8,
 }
 
 
