@@ -46,7 +46,8 @@ def draw(
     decibels = psnr[psnr.material == material].set_index(["scene", "variant"]).psnr_db
     columns = ["measured", *variants]
     with style.context():
-        figure = Figure(figsize=(CELL * len(columns), CELL * len(scenes) + 0.4))
+        size = CELL * len(columns), (CELL + 0.12) * len(scenes) + 0.4
+        figure = Figure(figsize=size, layout="constrained")
         grid = figure.subplots(len(scenes), len(columns), squeeze=False)
         for axes, scene in zip(grid, scenes, strict=True):
             for ax, variant in zip(axes, columns, strict=True):
@@ -57,7 +58,6 @@ def draw(
         for ax, variant in zip(grid[0], columns, strict=True):
             ax.set_title(variant)
         figure.suptitle(material, fontsize=9)
-        figure.tight_layout(pad=0.3)
     return figure
 
 
