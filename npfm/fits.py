@@ -151,18 +151,27 @@ def load(path: str | Path) -> Fit:
 
 
 def load_record(path: str | Path) -> dict:
-    """Read the record beside the fit at `path`, with its channels as `ChannelRecord`."""
+    """Read the record beside the fit at `path`, with its channels as `ChannelRecord`.
+
+    Raises
+    ------
+    NpfmError
+        If the record is absent or is not one.
+    """
     try:
         record = json.loads(record_path(path).read_text())
-    except (OSError, ValueError) as error:
+        channels = tuple(_channel(channel) for channel in record["channels"])
+        return record | {"channels": channels}
+    except (OSError, ValueError, KeyError, TypeError) as error:
         raise NpfmError(
             f"{record_path(path)}: cannot be read as the record of a fit ({error}); "
             "make it again with npfm fit"
         ) from error
-    channels = record.pop("channels")
-    for channel in channels:
-        channel["traces"] = tuple(
-            Trace(**trace | {key: tuple(trace[key]) for key in ("seconds", "objective")})
-            for trace in channel["traces"]
-        )
-    return record | {"channels": tuple(ChannelRecord(**channel) for channel in channels)}
+
+
+def _channel(record: dict) -> ChannelRecord:
+    traces = (
+        Trace(**trace | {key: tuple(trace[key]) for key in ("seconds", "objective")})
+        for trace in record["traces"]
+    )
+    return ChannelRecord(**record | {"traces": tuple(traces)})

@@ -125,7 +125,7 @@ def fits(run: str | Path, materials: Sequence[str], variants: Sequence[str]) -> 
     return pd.DataFrame(
         {"material": material, "variant": variant, **_channel_row(channel)}
         for material, variant in product(materials, variants)
-        for channel in _record(run, variant, material)["channels"]
+        for channel in load_record(_fit_path(run, variant, material))["channels"]
     )
 
 
@@ -150,7 +150,7 @@ def sizes(run: str | Path, materials: Sequence[str], variants: Sequence[str]) ->
     """
     rows = []
     for variant in variants:
-        records = [_record(run, variant, material) for material in materials]
+        records = [load_record(_fit_path(run, variant, material)) for material in materials]
         rows.append((variant, *(max(r[key] for r in records) for key in ("parameters", "bytes"))))
     return pd.DataFrame(rows, columns=["variant", "parameters", "bytes"])
 
@@ -261,13 +261,3 @@ def _table1_row(entry: Mapping, materials: int) -> dict:
 
 def _fit_path(run: str | Path, variant: str, material: str) -> Path:
     return Path(run) / "fits" / variant / f"{material}.npz"
-
-
-def _record(run: str | Path, variant: str, material: str) -> dict:
-    path = _fit_path(run, variant, material)
-    try:
-        return load_record(path)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise NpfmError(
-            f"{path}: its record cannot be read ({error}); make both with npfm fit"
-        ) from error

@@ -219,7 +219,7 @@ def test_a_missing_or_foreign_record(run, contents):
     record.unlink()
     if contents is not None:
         record.write_text(contents)
-    with pytest.raises(NpfmError, match=r"felt\.npz: its record cannot be read"):
+    with pytest.raises(NpfmError, match=r"felt\.json: cannot be read as the record"):
         tables.fits(run, ["felt"], ["naive"])
 
 
