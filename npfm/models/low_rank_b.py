@@ -129,15 +129,14 @@ class Compressor:
         objectives = [self.problem.objective(found.state)]
         seconds, status = [time.perf_counter() - began], "iteration cap"
         while len(objectives) <= MAX_SWEEPS:
-            candidate = self._swept(found.U, V)
-            V = candidate.V
+            candidate = self._swept(found.U, found.V)
             reached = self.problem.objective(candidate.state)
             decrease = objectives[-1] - reached
             if decrease > 0:
                 found = candidate
                 objectives.append(reached)
                 seconds.append(time.perf_counter() - began)
-            if decrease <= TOLERANCE * reached:
+            if not decrease > TOLERANCE * reached:
                 status = "converged"
                 break
         energy = self.problem.energy or 1.0
