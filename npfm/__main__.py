@@ -66,7 +66,7 @@ def main(arguments: list[str] | None = None) -> int:
     parsed = parser.parse_args(arguments)
     try:
         _command(parsed.verb).run(parsed)
-    except NpfmError as error:
+    except (NpfmError, OSError) as error:
         print(f"npfm {parsed.verb}: {error}", file=sys.stderr)
         return 1
     return 0

@@ -4,6 +4,7 @@ import argparse
 import os
 from pathlib import Path
 
+from npfm.errors import NpfmError
 from npfm.files import replacing
 from npfm.merl import read_binary, write_binary
 
@@ -32,6 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Write the table, or link to it."""
+    if not arguments.synthetic and not arguments.source:
+        raise NpfmError("--neural and --merl need --from, the archive or the folder")
     if arguments.synthetic:
         from npfm.datasets import synthetic
 
@@ -52,5 +55,7 @@ def _link(arguments: argparse.Namespace) -> None:
         directory.download(arguments.url, arguments.merl, folder)
     source = directory.path(folder, arguments.merl)
     read_binary(source)
+    if Path(arguments.output).resolve() == source.resolve():
+        raise NpfmError(f"{arguments.output}: is the file to link to; give another output")
     with replacing(arguments.output) as temporary:
         os.symlink(source.resolve(), temporary)
