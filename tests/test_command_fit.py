@@ -85,14 +85,6 @@ def test_options_reach_the_solver(capsys, tmp_path, felt, solver):
         assert len(channel.traces[0].objective) == 2
 
 
-def test_the_same_call_writes_the_same_bytes(capsys, tmp_path, felt):
-    for name in ("one", "two"):
-        output = tmp_path / f"{name}.npz"
-        call = ["fit", felt, "--variant", "naive", "--max-iterations", "2", "-o", output]
-        assert run(capsys, *call)[0] == 0
-    assert (tmp_path / "one.npz").read_bytes() == (tmp_path / "two.npz").read_bytes()
-
-
 def test_tabulate_writes_the_fit_as_a_merl_file(capsys, tmp_path, felt):
     fit, table = tmp_path / "felt.npz", tmp_path / "fitted.binary"
     run(capsys, "fit", felt, "--variant", "bivariate", "-o", fit)

@@ -33,7 +33,9 @@ RANDOM_STARTS = 2
 TOLERANCE, MAX_SWEEPS = 1e-6, 1000
 #: Cells without a sample are held to the value of the nearest one that has, at this share of its
 #: weight: a low rank leaves them no value of their own.
-HOLD = 1e-6
+HOLD = 1e-2
+#: Share of the energy up to which a cell's best B counts as 0.
+DARK = 1e-16
 
 Array = NDArray[np.float64]
 
@@ -102,7 +104,7 @@ class Compressor:
         weight = np.where(seen, sums.wkk, HOLD * sums.wkk[problem.nearest])
         self.rows, self.columns = np.sqrt(weight.sum(1))[:, None], np.sqrt(weight.sum(0))[:, None]
         self.scale = self.rows * self.columns.T
-        self.dark = seen & (free.B == 0)
+        self.dark = seen & (sums.wkk * free.B**2 <= DARK * problem.energy)
         fitted = seen & ~self.dark
         self.equations = Equations(
             weight / self.scale**2,
@@ -124,33 +126,40 @@ class Compressor:
         return named | random
 
     def minimise(self, name: str, V: Array, began: float) -> tuple[Compressed, Trace]:
-        """Alternate from a start for V, the best constant first; `began` is when time began."""
+        """Alternate from a start for V, the best constant first; `began` is when time began.
+
+        Where the best B is 0, any negative value is as good. Such cells are drawn to 0 first, and
+        those that are negative then released.
+        """
         found = self._made(np.zeros((len(self.rows), V.shape[1])), V)
         objectives = [self.problem.objective(found.state)]
-        seconds, status = [time.perf_counter() - began], "iteration cap"
-        while len(objectives) <= MAX_SWEEPS:
-            candidate = self._swept(found.U, found.V)
-            reached = self.problem.objective(candidate.state)
-            decrease = objectives[-1] - reached
-            if decrease > 0:
-                found = candidate
-                objectives.append(reached)
-                seconds.append(time.perf_counter() - began)
-            if not decrease > TOLERANCE * reached:
-                status = "converged"
-                break
+        seconds, status = [time.perf_counter() - began], "converged"
+        for released in (False, True):
+            decrease = np.inf
+            while decrease > TOLERANCE * objectives[-1]:
+                if len(objectives) > MAX_SWEEPS:
+                    status = "iteration cap"
+                    break
+                candidate = self._swept(found, released)
+                reached = self.problem.objective(candidate.state)
+                decrease = objectives[-1] - reached
+                if decrease > 0:
+                    found = candidate
+                    objectives.append(reached)
+                    seconds.append(time.perf_counter() - began)
         energy = self.problem.energy or 1.0
         relative = tuple(objective / energy for objective in objectives)
         return found, Trace(name, status, len(objectives) - 1, 0, tuple(seconds), relative)
 
-    def _swept(self, U: Array, V: Array) -> Compressed:
+    def _swept(self, before: Compressed, released: bool) -> Compressed:
         """Solve for U, then for V."""
-        # Where the best B is 0, any negative value is as good: one that is negative may stay.
-        held = self.equations.wkk * np.minimum(U @ V.T, 0.0)
-        equations = replace(self.equations, wrk=np.where(self.dark, held, self.equations.wrk))
+        equations = self.equations
+        if released:
+            negative = equations.wkk * np.minimum(before.U @ before.V.T, 0.0)
+            equations = replace(equations, wrk=np.where(self.dark, negative, equations.wrk))
         # Only the span of one factor matters for the other, and an orthonormal basis of it keeps
         # the equations well posed.
-        U = np.linalg.qr(equations.solved(np.linalg.qr(V)[0]))[0]
+        U = np.linalg.qr(equations.solved(np.linalg.qr(before.V)[0]))[0]
         return self._made(U, equations.transposed().solved(U))
 
     def _made(self, U: Array, V: Array) -> Compressed:
@@ -205,7 +214,7 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int, *, rank: in
             compressor.minimise(name, V, began) for name, V in compressor.starts(rank, seed).items()
         ]
         runs.sort(key=lambda run: run[1].objective[-1])
-        status = min(traces, key=lambda trace: trace.objective[-1]).status
+        status = traces[0].status
         return ChannelFit(
             compressor.parameters(runs[0][0]), tuple(_after(trace, status) for _, trace in runs)
         )

@@ -56,6 +56,16 @@ def test_the_objective_never_rises(table, kind):
     assert trace.gss_calls == 0
 
 
+@PROBLEMS
+def test_every_accepted_step_is_downhill_to_the_end(samples, kind):
+    """From far away, and down to where only rounding is left to gain."""
+    problem, near = started(kind, samples)
+    start = problem.unpack(np.random.default_rng(6).uniform(-6, 0, problem.pack(near).size))
+    _, trace = gauss_newton.minimise(problem, "random", start, Solver(tolerance=1e-15))
+    assert trace.iterations > 10
+    assert (np.diff(trace.objective) < 0).all()
+
+
 def residuals(problem, rho_s):
     """Root of the weight times model minus value, as a function of log factors and rho_d."""
     grid, samples = problem.samples.grid, problem.samples
