@@ -32,6 +32,7 @@ include: "workflow/rules/scenes.smk"
 include: "workflow/rules/pictures.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/accuracy_cost.smk"
 
 
 rule all:

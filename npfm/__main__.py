@@ -22,6 +22,7 @@ VERBS = {
     "compare": "PSNR of pictures against a reference",
     "tables": "gather fits and pictures into the tables of a run",
     "figure": "draw a figure from the tables of a run",
+    "accuracy-cost": "tables and figures of what accuracy costs in time",
 }
 
 
@@ -46,6 +47,8 @@ def _command(verb: str) -> ModuleType:
             from npfm.commands import tables as module
         case "figure":
             from npfm.commands import figure as module
+        case "accuracy-cost":
+            from npfm.commands import accuracy_cost as module
     return module
 
 

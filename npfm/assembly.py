@@ -25,6 +25,8 @@ from npfm.scenes import CAMERA, Scene, place
 from npfm.surfaces import Surface, look
 from npfm.transport import Transport
 
+#: Ways of choosing light directions, by the name that `build` knows them by.
+STRATEGIES = ("light", "half-vector")
 #: Samples of a strategy treated at once, at about a kilobyte of working memory each.
 BLOCK = 1 << 17
 #: A pixel gets up to this many times the usual number of samples, in proportion to the light that
@@ -51,7 +53,13 @@ class Setup:
 
 
 def build(
-    scene: Scene, environment: Environment, grid: Grid, resolution: int, samples: int, seed: int
+    scene: Scene,
+    environment: Environment,
+    grid: Grid,
+    resolution: int,
+    samples: int,
+    seed: int,
+    sampling: Sequence[str] = STRATEGIES,
 ) -> Transport:
     """Build the transport matrix of a scene in a light.
 
@@ -65,10 +73,12 @@ def build(
         Pixels along one side of the square picture.
     samples : int
         Light directions for a pixel, rounded down to be shared evenly by the camera rays of the
-        pixel, and by sampling of the light and of half vectors. Pixels that mirror a bright light
-        get a multiple; the average is at most twice this number.
+        pixel, and by the ways of sampling. Pixels that mirror a bright light get a multiple; the
+        average is at most twice this number.
     seed : int
         Of the rotations that make the errors of pixels independent.
+    sampling : sequence of str
+        Which of `STRATEGIES`; several are combined by the balance heuristic.
 
     Raises
     ------
@@ -76,7 +86,8 @@ def build(
         If the samples do not suffice for one of each strategy per camera ray, the mesh of the
         scene cannot be used, or the picture is too small to show the objects.
     """
-    setup = _prepare(scene, environment, grid, resolution, seed)
+    known = {"light": LightSampling(environment), "half-vector": HalfVectorSampling(grid)}
+    setup = _prepare(scene, environment, grid, resolution, seed, [known[s] for s in sampling])
     least = len(setup.offsets) * len(setup.strategies)
     if samples < least:
         raise NpfmError(f"{samples} samples a pixel are too few for this scene; use {least}")
@@ -103,13 +114,17 @@ def build(
 
 
 def _prepare(
-    scene: Scene, environment: Environment, grid: Grid, resolution: int, seed: int
+    scene: Scene,
+    environment: Environment,
+    grid: Grid,
+    resolution: int,
+    seed: int,
+    strategies: Sequence[Strategy],
 ) -> Setup:
     effects = [EFFECTS[name] for name in scene.effects]
     offsets = np.array([[0.5, 0.5]])
     for film in (effect.film for effect in effects if effect.film):
         offsets = film(offsets)
-    strategies = (LightSampling(environment), HalfVectorSampling(grid))
     return Setup(
         objects=place(scene),
         obstacles=[effect.reaches for effect in effects if effect.reaches],

@@ -189,6 +189,9 @@ def check(config: Mapping[str, Any]) -> Run:
                 f"config: scenes/{scene}/light: unknown light '{described['light']}'; {hint}"
             )
         _check_scene(scene, described)
+    if (scene := config["accuracy_cost"]["scene"]) not in config["scenes"]:
+        hint = suggest(scene, config["scenes"])
+        raise NpfmError(f"config: accuracy_cost/scene: unknown scene '{scene}'; {hint}")
     return Run(config, tuple(select(config["dataset"]["materials"], _available(config))), named)
 
 
@@ -234,7 +237,8 @@ def _variants(config: Mapping[str, Any]) -> dict[str, Variant]:
         options = (
             f"--variant {entry['model']} --solver {solver['method']}"
             f" --tolerance {solver['tolerance']} --max-iterations {solver['max_iterations']}"
-            f" --max-angle {objective['max_angle']}"
+            + (f" --starts {solver['starts']}" if entry["model"] in variants.SEVERAL_STARTS else "")
+            + f" --max-angle {objective['max_angle']}"
             + ("" if objective["compressive"] else " --no-compressive")
             + f" --seed {config['seed']}"
         )

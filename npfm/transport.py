@@ -50,6 +50,15 @@ class Transport:
         """Pixels that objects cover entirely, shape (h, w)."""
         return self.coverage == 1
 
+    @property
+    def matrices(self) -> list[csr_array]:
+        """T for red, green and blue, shape (pixels, cells)."""
+        # SciPy would copy the indices to give them the type of indptr.
+        fits = self.indptr[-1] <= np.iinfo(np.int32).max
+        indptr = self.indptr.astype(np.int32 if fits else np.int64)
+        shape = self.coverage.size, int(np.prod(self.grid_shape))
+        return [csr_array((weights, self.indices, indptr), shape=shape) for weights in self.weights]
+
 
 def render(transport: Transport, table: Table) -> NDArray[np.float32]:
     """Render a material: T @ table, over the light seen past the objects.
@@ -78,12 +87,7 @@ def render(transport: Transport, table: Table) -> NDArray[np.float32]:
         )
     values = np.maximum(table.values, 0).reshape(3, -1).astype(np.float32)
     picture = np.empty((*transport.coverage.shape, 4), dtype=np.float32)
-    shape = (transport.coverage.size, values.shape[1])
-    # SciPy would copy the indices to give them the type of indptr.
-    fits = transport.indptr[-1] <= np.iinfo(np.int32).max
-    indptr = transport.indptr.astype(np.int32 if fits else np.int64)
-    for channel, (weights, column) in enumerate(zip(transport.weights, values, strict=True)):
-        matrix = csr_array((weights, transport.indices, indptr), shape=shape)
+    for channel, (matrix, column) in enumerate(zip(transport.matrices, values, strict=True)):
         picture[..., channel] = (matrix @ column).reshape(transport.coverage.shape)
     picture[..., :3] += transport.backdrop
     picture[..., 3] = transport.coverage

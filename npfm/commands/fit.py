@@ -46,6 +46,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="cap on the iterations of one run (default: %(default)s)",
     )
     parser.add_argument(
+        "--starts",
+        type=int,
+        choices=range(1, 9),
+        default=8,
+        metavar="N",
+        help=f"1 to 8 starts of {' and '.join(variants.SEVERAL_STARTS)} (default: %(default)s)",
+    )
+    parser.add_argument(
         "--max-angle",
         type=float,
         default=objective.max_angle,
@@ -64,9 +72,10 @@ def run(arguments: argparse.Namespace) -> None:
     objective = Objective(not arguments.no_compressive, arguments.max_angle)
     solve = variants.solver(settings)
     table = read_binary(arguments.table)
+    several = {"count": arguments.starts} if arguments.variant in variants.SEVERAL_STARTS else {}
     with tqdm(desc=f"fit {arguments.variant}", unit="start", disable=None) as progress:
         try:
-            fit = model.fit(table, objective, _watched(solve, progress), arguments.seed)
+            fit = model.fit(table, objective, _watched(solve, progress), arguments.seed, **several)
         except NpfmError as error:
             raise NpfmError(f"{arguments.table}: {error}") from error
     fits.save(arguments.output, replace(fit, model=arguments.variant))

@@ -1,9 +1,12 @@
 """``npfm scene``."""
 
 import argparse
+import json
+import time
 from pathlib import Path
 
 from npfm import assembly, effects, scenes, transport
+from npfm.files import replacing
 from npfm.grid import MERL
 from npfm.lights import environment
 
@@ -30,7 +33,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--samples", type=int, default=4096, help="light directions a pixel (default: %(default)s)"
     )
+    parser.add_argument(
+        "--sampling",
+        nargs="+",
+        choices=assembly.STRATEGIES,
+        default=list(assembly.STRATEGIES),
+        help="how light directions are chosen (default: both, combined)",
+    )
     parser.add_argument("--seed", type=int, default=1, help="seed of the sampling (default: 1)")
+    parser.add_argument("--record", help="JSON to write: the sampling, and the seconds it took")
     parser.add_argument("-o", "--output", required=True, help="folder to write")
 
 
@@ -38,7 +49,23 @@ def run(arguments: argparse.Namespace) -> None:
     """Build the transport matrix."""
     scene = scenes.Scene(tuple(arguments.objects), tuple(arguments.effects), arguments.mesh)
     light = environment.read(arguments.light)
+    began = time.perf_counter()
     matrix = assembly.build(
-        scene, light, MERL, arguments.resolution, arguments.samples, arguments.seed
+        scene,
+        light,
+        MERL,
+        arguments.resolution,
+        arguments.samples,
+        arguments.seed,
+        arguments.sampling,
     )
+    record = {
+        "sampling": arguments.sampling,
+        "samples": arguments.samples,
+        "resolution": arguments.resolution,
+        "seconds": time.perf_counter() - began,
+    }
     transport.save(arguments.output, matrix)
+    if arguments.record:
+        with replacing(arguments.record) as temporary:
+            temporary.write_text(json.dumps(record, indent=1) + "\n")

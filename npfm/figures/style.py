@@ -7,7 +7,9 @@ from itertools import cycle
 from pathlib import Path
 
 import matplotlib.style
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
 
 from npfm.errors import NpfmError
 from npfm.files import replacing
@@ -68,6 +70,14 @@ def looks(variants: Sequence[str]) -> dict[str, Look]:
 def context() -> AbstractContextManager:
     """Return the settings to draw and save under, whatever the user's own settings are."""
     return matplotlib.style.context(["default", SETTINGS])
+
+
+def plain_logarithmic(axis: Axis) -> None:
+    """Make an axis logarithmic, with 1, 2 and 5 of each decade written as plain numbers."""
+    axis.axes.set(**{f"{axis.axis_name}scale": "log"})
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_locator(NullLocator())
 
 
 def save(figure: Figure, paths: Sequence[str | Path]) -> None:

@@ -1,9 +1,11 @@
 """The microfacet model with a free factor G (Bagher et al. 2016, sections 3, 4.3 and 5)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
+from numpy.typing import NDArray
 
 from npfm.fits import Fit
 from npfm.grid import Grid
@@ -19,7 +21,7 @@ from npfm.solvers.problem import Solve
 
 NAME = "independent-g"
 CLAMP = 1e-6  # smallest component of a factor (section 4.3, "Dynamic range clamping")
-RANDOM_STARTS = 4  # section 5
+STARTS, RANDOM_STARTS = 8, 4  # section 5
 #: Width of the Gaussian that smooths G, in nodes (the paper gives none).
 SMOOTHING = 1.0
 #: Updates of D, F and the coefficients for one of G, which alone needs passes over the samples.
@@ -74,8 +76,10 @@ class IndependentGProblem(MicrofacetProblem):
         return np.polynomial.Polynomial(np.linalg.solve(np.vander(t, increasing=True), values))
 
 
-def starts(problem: IndependentGProblem, derived: State, seed: int) -> dict[str, State]:
-    """Eight starts, those of section 5 of the paper.
+def starts(
+    problem: IndependentGProblem, derive: Callable[[], State], seed: int
+) -> Iterator[tuple[str, State]]:
+    """Eight starts by name, those of section 5 of the paper; each is made when it is its turn.
 
     Four random ones, all ones, the g-from-d result, two slices with G = 1, and, in place of the
     published shifted-gamma fits, the same slices with the G that Smith's factor gives for the
@@ -85,8 +89,8 @@ def starts(problem: IndependentGProblem, derived: State, seed: int) -> dict[str,
     ----------
     problem : IndependentGProblem
         The fit of one channel.
-    derived : State
-        The g-from-d result of the same channel.
+    derive : callable
+        Gives the g-from-d result of the same channel.
     seed : int
         Seed of the random starts.
     """
@@ -94,15 +98,18 @@ def starts(problem: IndependentGProblem, derived: State, seed: int) -> dict[str,
     rng = np.random.default_rng(seed)
     D, F = factors_of_slices(problem.samples)
     flat = np.ones(G_NODES)
-    named = {
-        f"random-{k + 1}": tuple(rng.uniform(CLAMP, 1.0, n) for n in (nh, nd, G_NODES))
-        for k in range(RANDOM_STARTS)
-    }
-    named["ones"] = np.ones(nh), np.ones(nd), flat
-    named["g-from-d"] = derived.factors.D, derived.factors.F, derived.factors.third
-    named["slices"] = D, F, flat
-    named["slices-smith"] = D, F, masking_shadowing(D, problem.samples.grid, G_THETA)
-    return {name: problem.warmed_up(problem.state(*factors)) for name, factors in named.items()}
+
+    def begun(D: NDArray, F: NDArray, G: NDArray) -> State:
+        return problem.warmed_up(problem.state(D, F, G))
+
+    for k in range(RANDOM_STARTS):
+        factors = (rng.uniform(CLAMP, 1.0, n) for n in (nh, nd, G_NODES))
+        yield f"random-{k + 1}", begun(*factors)
+    yield "ones", begun(np.ones(nh), np.ones(nd), flat)
+    derived = derive().factors
+    yield "g-from-d", begun(derived.D, derived.F, derived.third)
+    yield "slices", begun(D, F, flat)
+    yield "slices-smith", begun(D, F, masking_shadowing(D, problem.samples.grid, G_THETA))
 
 
 def parameter_count(grid: Grid) -> int:
@@ -110,8 +117,8 @@ def parameter_count(grid: Grid) -> int:
     return 3 * (grid.theta_h_bins + grid.theta_d_bins + G_NODES + 2)
 
 
-def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
-    """Fit the model from eight starts and keep the best.
+def fit(table: Table, objective: Objective, solve: Solve, seed: int, count: int = STARTS) -> Fit:
+    """Fit the model from several starts and keep the best.
 
     Parameters
     ----------
@@ -123,6 +130,8 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
         A solver with its settings.
     seed : int
         Seed of the random starts.
+    count : int
+        How many starts: the first ones of `starts`.
 
     Raises
     ------
@@ -131,10 +140,10 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
     """
 
     def fit_channel(samples: Samples, channel: int) -> ChannelFit:
-        derived, _ = g_from_d.fit_samples(samples, solve)
         problem = IndependentGProblem(samples)
         # Every channel sees the same starts, so that permuting channels permutes fits.
-        state, traces = solve(problem, starts(problem, derived, seed))
+        named = starts(problem, lambda: g_from_d.fit_samples(samples, solve)[0], seed)
+        state, traces = solve(problem, dict(islice(named, count)))
         f = state.factors
         parameters = {"D": f.D, "F": f.F, "G": f.third, "rho_d": f.rho_d, "rho_s": f.rho_s}
         return ChannelFit(parameters, tuple(traces))

@@ -17,7 +17,7 @@ CONFIG = {
     "data": "data",
     "dataset": {"kind": "synthetic", "materials": ["chalk"]},
     "objective": {"compressive": True, "max_angle": 89.0},
-    "solver": {"method": "gauss-newton", "tolerance": 1e-3, "max_iterations": 5},
+    "solver": {"method": "gauss-newton", "tolerance": 1e-3, "max_iterations": 5, "starts": 8},
     "variants": [
         "bivariate",
         "naive",
@@ -30,6 +30,14 @@ CONFIG = {
         "C": SCENE | {"light": "grove", "objects": ["figure", "sphere"], "effects": ["visibility"]},
     },
     "resolution": 8,
+    "accuracy_cost": {
+        "materials": ["chalk"],
+        "awls_iterations": 2,
+        "scene": "A",
+        "resolution": 8,
+        "samples": [2, 4],
+        "reference_samples": 16,
+    },
 }
 
 

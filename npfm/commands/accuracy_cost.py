@@ -1,0 +1,135 @@
+"""``npfm accuracy-cost``."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from types import ModuleType
+
+import pandas as pd
+
+from npfm import tables, transport
+from npfm.accuracy_cost import tables as costs
+from npfm.commands.sources import table
+from npfm.errors import NpfmError
+from npfm.figures import style
+from npfm.merl import read_binary
+
+EXAMPLE = """\
+examples:
+  python -m npfm accuracy-cost traces --fits awls=fits/old gauss-newton=fits/new \\
+      --materials chrome pink-felt -o traces.csv
+  python -m npfm accuracy-cost fits chrome.binary --scenes scenes/A scenes/D \\
+      --fits model:naive/awls=fits/old starts:1=fits/one -o chrome.csv
+  python -m npfm accuracy-cost sampling --reference scenes/many --builds scenes/few scenes/more \\
+      --tables chrome.binary --fits chrome.npz -o sampling.csv
+  python -m npfm accuracy-cost table --fits chrome.csv --sampling sampling.csv -o cost.csv
+  python -m npfm accuracy-cost figure convergence --tables traces.csv -o convergence.pdf
+Seconds are those that fits and scenes recorded when they were made; PSNR is in dB.
+"""
+#: What each kind of table or figure is made from.
+SOURCES = {
+    "traces": {
+        "--fits": {"nargs": "+", "metavar": "SOLVER=FOLDER"},
+        "--materials": {"nargs": "+", "help": "names of the fits"},
+    },
+    "fits": {
+        "table": {"help": "MERL .binary file of the material"},
+        "--fits": {"nargs": "+", "metavar": "STAGE:SETTING=FOLDER"},
+        "--scenes": {"nargs": "+", "help": "folders made by npfm scene"},
+    },
+    "sampling": {
+        "--reference": {"help": "folder of a scene of many samples"},
+        "--builds": {"nargs": "+", "help": "folders of others, each with its --record beside it"},
+        "--tables": {"nargs": "+", "help": "MERL .binary files"},
+        "--fits": {"nargs": "+", "help": "a fit (.npz) of each table"},
+    },
+    "table": {
+        "--fits": {"nargs": "+", "help": "CSVs made by npfm accuracy-cost fits"},
+        "--sampling": {"help": "CSV made by npfm accuracy-cost sampling"},
+    },
+    "figure": {
+        "figure": {"choices": ["convergence", "pareto", "settings", "sampling"]},
+        "--tables": {"nargs": "+", "help": "CSVs: traces, fits, fits or sampling"},
+    },
+}
+#: Columns that hold text, in any of the tables.
+TEXT = {*costs.TRACES[:4], "status", *costs.FITS[:4], "sampling"}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.epilog = EXAMPLE
+    kinds = parser.add_subparsers(dest="kind", required=True, metavar="|".join(SOURCES))
+    for kind, sources in SOURCES.items():
+        chosen = kinds.add_parser(kind)
+        for name, options in sources.items():
+            required = {"required": True} if name.startswith("--") else {}
+            chosen.add_argument(name, **required, **options)
+        several = {"nargs": "+"} if kind == "figure" else {}
+        chosen.add_argument("-o", "--output", required=True, **several, help="to be written")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Make the table or the figure, and write it."""
+    match arguments.kind:
+        case "traces":
+            made = costs.traces(_pairs(arguments.fits), arguments.materials)
+        case "fits":
+            made = _fits(arguments)
+        case "sampling":
+            pairs = zip(arguments.tables, arguments.fits, strict=True)
+            materials = {Path(t).stem: (table(t), table(f)) for t, f in pairs}
+            made = costs.sampling(arguments.reference, arguments.builds, materials)
+        case "table":
+            fits = _read(arguments.fits, costs.FITS)
+            made = costs.cost(fits, _read([arguments.sampling], costs.SAMPLING))
+        case "figure":
+            module, columns = _figure(arguments.figure)
+            style.save(module.draw(_read(arguments.tables, columns)), arguments.output)
+            return
+    tables.write(arguments.output, made)
+
+
+def _pairs(arguments: Sequence[str]) -> dict[str, str]:
+    if wrong := [argument for argument in arguments if "=" not in argument]:
+        raise NpfmError(f"'{wrong[0]}' has no '='; name what is in the folder, as in name=folder")
+    return dict(argument.split("=", 1) for argument in arguments)
+
+
+def _fits(arguments: argparse.Namespace) -> pd.DataFrame:
+    material = Path(arguments.table).stem
+    settings = {
+        tuple(name.split(":", 1)): f"{folder}/{material}.npz"
+        for name, folder in _pairs(arguments.fits).items()
+    }
+    scenes = {Path(path).name: transport.load(path) for path in arguments.scenes}
+    made = costs.fits(read_binary(arguments.table), settings, scenes, table)
+    return made.assign(material=material)[list(costs.FITS)]
+
+
+def _read(paths: Sequence[str], columns: Sequence[str]) -> pd.DataFrame:
+    text = [name for name in columns if name in TEXT]
+    numbers = [name for name in columns if name not in TEXT]
+    return pd.concat([tables.read(path, text, numbers) for path in paths], ignore_index=True)
+
+
+def _figure(name: str) -> tuple[ModuleType, Sequence[str]]:
+    """Return the module that draws a figure, and the columns it reads."""
+    match name:
+        case "convergence":
+            from npfm.figures import convergence as module
+
+            columns = costs.TRACES
+        case "pareto":
+            from npfm.figures import pareto as module
+
+            columns = costs.FITS
+        case "settings":
+            from npfm.figures import settings as module
+
+            columns = costs.FITS
+        case "sampling":
+            from npfm.figures import sampling as module
+
+            columns = costs.SAMPLING
+    return module, columns
