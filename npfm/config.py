@@ -229,6 +229,8 @@ def _variants(config: Mapping[str, Any]) -> dict[str, Variant]:
             raise NpfmError(
                 f"config: variants: the name '{entry['name']}' is taken; give this one another"
             )
+        if "rank" in entry and variants.SETTINGS.get(entry["model"]) != "rank":
+            raise NpfmError(f"config: variants/{entry['name']}: '{entry['model']}' has no rank")
         objective = config["objective"] | entry.get("objective", {})
         solver = config["solver"] | entry.get("solver", {})
         if solver["method"] not in variants.SOLVERS:
@@ -237,13 +239,19 @@ def _variants(config: Mapping[str, Any]) -> dict[str, Variant]:
         options = (
             f"--variant {entry['model']} --solver {solver['method']}"
             f" --tolerance {solver['tolerance']} --max-iterations {solver['max_iterations']}"
-            + (f" --starts {solver['starts']}" if entry["model"] in variants.SEVERAL_STARTS else "")
+            + _own_setting(entry["model"], solver | entry)
             + f" --max-angle {objective['max_angle']}"
             + ("" if objective["compressive"] else " --no-compressive")
             + f" --seed {config['seed']}"
         )
         named[entry["name"]] = Variant(entry["name"], entry["model"], solver["method"], options)
     return named
+
+
+def _own_setting(model: str, settings: Mapping[str, Any]) -> str:
+    """Argument of ``npfm fit`` for what the model alone can be told, if it is."""
+    name = variants.SETTINGS.get(model)
+    return f" --{name} {settings[name]}" if name in settings else ""
 
 
 def _available(config: Mapping[str, Any]) -> list[str]:

@@ -9,8 +9,8 @@ from npfm.solvers.problem import Solve, Solver
 #: Models in the order of the paper's Figure 8, best average first, then those beyond the paper.
 MODELS = ("bivariate", "independent-g", "g-from-d", "naive", "bivariate-g", "low-rank-b")
 SOLVERS = ("gauss-newton", "awls")
-#: Models that are fitted from several starts.
-SEVERAL_STARTS = ("independent-g",)
+#: Settings that single models have: keywords of their `fit`.
+SETTINGS = {"independent-g": "starts", "low-rank-b": "rank"}
 #: Models whose minimum needs no solver.
 CLOSED_FORM = ("bivariate",)
 

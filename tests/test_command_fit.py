@@ -85,6 +85,28 @@ def test_options_reach_the_solver(capsys, tmp_path, felt, solver):
         assert len(channel.traces[0].objective) == 2
 
 
+def test_rank_reaches_the_model(capsys, tmp_path, felt):
+    path = tmp_path / "felt.npz"
+    assert run(capsys, "fit", felt, "--variant", "low-rank-b", "--rank", 2, "-o", path)[0] == 0
+    assert fits.load(path).parameters["U"].shape[-1] == 2
+
+
+@pytest.mark.parametrize(
+    ("variant", "option", "value", "said"),
+    [
+        ("naive", "--rank", 2, "--rank is not a setting of 'naive'"),
+        ("low-rank-b", "--starts", 2, "--starts is not a setting of 'low-rank-b'"),
+        ("low-rank-b", "--rank", 0, "give a rank from 1 to 90"),
+        ("independent-g", "--starts", 9, "give a number from 1 to 8"),
+    ],
+)
+def test_settings_of_other_models_are_refused(capsys, tmp_path, felt, variant, option, value, said):
+    path = tmp_path / "felt.npz"
+    assert said in refused(
+        capsys, tmp_path, "fit", felt, "--variant", variant, option, value, "-o", path
+    )
+
+
 def test_tabulate_writes_the_fit_as_a_merl_file(capsys, tmp_path, felt):
     fit, table = tmp_path / "felt.npz", tmp_path / "fitted.binary"
     run(capsys, "fit", felt, "--variant", "bivariate", "-o", fit)

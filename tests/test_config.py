@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from npfm import variants
 from npfm.config import check
 from npfm.errors import NpfmError
 
@@ -27,7 +28,7 @@ def test_the_default_configuration_is_valid_and_needs_no_file():
     run = check(DEFAULT)
     assert run.folder == "results/default"
     assert len(run.materials) >= 12
-    assert list(run.variants) == ["bivariate", "independent-g", "g-from-d", "naive"]
+    assert list(run.variants) == list(variants.MODELS)
     assert run.scenes == ("A", "B", "C", "D")
     assert not any(run.material_inputs(name) for name in run.materials)
     assert not any(run.light_inputs(light["light"]) for light in DEFAULT["scenes"].values())
@@ -55,6 +56,18 @@ def test_a_variant_may_have_settings_of_its_own():
     assert "--variant naive" in run.variants["plain"].options
 
 
+def test_only_models_that_have_a_rank_or_starts_are_told_them():
+    wide = {"name": "wide", "model": "low-rank-b", "rank": 8}
+    fewer = {"name": "fewer", "model": "independent-g", "solver": {"starts": 3}}
+    run = check(configured(variants=["naive", "low-rank-b", wide, fewer]))
+    options = {name: variant.options for name, variant in run.variants.items()}
+    assert "--rank 8" in options["wide"]
+    assert "--starts 3" in options["fewer"]
+    assert not any(
+        "--rank" in options[name] or "--starts" in options[name] for name in ("naive", "low-rank-b")
+    )
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -62,6 +75,7 @@ def test_a_variant_may_have_settings_of_its_own():
         ({"solver": {"metod": "awls"}}, r"solver: unknown key 'metod'; did you mean method"),
         ({"solver": {"method": "newton"}}, r"unknown solver 'newton'; did you mean gauss-newton"),
         ({"variants": ["niave"]}, r"unknown variant 'niave'; did you mean naive"),
+        ({"variants": [{"name": "n", "model": "naive", "rank": 2}]}, r"n: 'naive' has no rank"),
         ({"variants": ["naive", "naive"]}, r"the name 'naive' is taken"),
         ({"scenes": {"A": {"effects": ["shadow"]}}}, r"scenes/A: unknown effect 'shadow'"),
         ({"scenes": {"A": {"objects": ["cube"]}}}, r"scenes/A: unknown object 'cube'"),

@@ -46,12 +46,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="cap on the iterations of one run (default: %(default)s)",
     )
     parser.add_argument(
-        "--starts",
-        type=int,
-        choices=range(1, 9),
-        default=8,
-        metavar="N",
-        help=f"1 to 8 starts of {' and '.join(variants.SEVERAL_STARTS)} (default: %(default)s)",
+        "--starts", type=int, metavar="N", help="the first N of the eight starts of independent-g"
+    )
+    parser.add_argument(
+        "--rank", type=int, metavar="R", help="products in the B of low-rank-b (default: 4)"
     )
     parser.add_argument(
         "--max-angle",
@@ -68,17 +66,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Fit, and write the fit and its record."""
     model = variants.model(arguments.variant)
+    own = _own_settings(arguments)
     settings = Solver(arguments.solver, arguments.tolerance, arguments.max_iterations)
     objective = Objective(not arguments.no_compressive, arguments.max_angle)
     solve = variants.solver(settings)
     table = read_binary(arguments.table)
-    several = {"count": arguments.starts} if arguments.variant in variants.SEVERAL_STARTS else {}
     with tqdm(desc=f"fit {arguments.variant}", unit="start", disable=None) as progress:
         try:
-            fit = model.fit(table, objective, _watched(solve, progress), arguments.seed, **several)
+            fit = model.fit(table, objective, _watched(solve, progress), arguments.seed, **own)
         except NpfmError as error:
             raise NpfmError(f"{arguments.table}: {error}") from error
     fits.save(arguments.output, replace(fit, model=arguments.variant))
+
+
+def _own_settings(arguments: argparse.Namespace) -> dict[str, int]:
+    """Return the settings that were given and only some models have."""
+    given = {name: getattr(arguments, name) for name in variants.SETTINGS.values()}
+    given = {name: value for name, value in given.items() if value is not None}
+    if wrong := [name for name in given if name != variants.SETTINGS.get(arguments.variant)]:
+        raise NpfmError(f"--{wrong[0]} is not a setting of '{arguments.variant}'; leave it out")
+    return given
 
 
 def _watched(solve: Solve, progress: tqdm) -> Solve:

@@ -7,6 +7,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
+from npfm.errors import NpfmError
 from npfm.fits import Fit
 from npfm.grid import Grid
 from npfm.merl import Table
@@ -76,7 +77,7 @@ class IndependentGProblem(MicrofacetProblem):
         return np.polynomial.Polynomial(np.linalg.solve(np.vander(t, increasing=True), values))
 
 
-def starts(
+def start_states(
     problem: IndependentGProblem, derive: Callable[[], State], seed: int
 ) -> Iterator[tuple[str, State]]:
     """Eight starts by name, those of section 5 of the paper; each is made when it is its turn.
@@ -117,7 +118,9 @@ def parameter_count(grid: Grid) -> int:
     return 3 * (grid.theta_h_bins + grid.theta_d_bins + G_NODES + 2)
 
 
-def fit(table: Table, objective: Objective, solve: Solve, seed: int, count: int = STARTS) -> Fit:
+def fit(
+    table: Table, objective: Objective, solve: Solve, seed: int, *, starts: int = STARTS
+) -> Fit:
     """Fit the model from several starts and keep the best.
 
     Parameters
@@ -130,20 +133,22 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int, count: int 
         A solver with its settings.
     seed : int
         Seed of the random starts.
-    count : int
-        How many starts: the first ones of `starts`.
+    starts : int
+        How many: the first ones of `start_states`.
 
     Raises
     ------
     NpfmError
-        If a channel has no sample that counts.
+        If there are not as many starts, or a channel has no sample that counts.
     """
+    if not 1 <= starts <= STARTS:
+        raise NpfmError(f"{starts} starts of {NAME}: give a number from 1 to {STARTS}")
 
     def fit_channel(samples: Samples, channel: int) -> ChannelFit:
         problem = IndependentGProblem(samples)
         # Every channel sees the same starts, so that permuting channels permutes fits.
-        named = starts(problem, lambda: g_from_d.fit_samples(samples, solve)[0], seed)
-        state, traces = solve(problem, dict(islice(named, count)))
+        named = start_states(problem, lambda: g_from_d.fit_samples(samples, solve)[0], seed)
+        state, traces = solve(problem, dict(islice(named, starts)))
         f = state.factors
         parameters = {"D": f.D, "F": f.F, "G": f.third, "rho_d": f.rho_d, "rho_s": f.rho_s}
         return ChannelFit(parameters, tuple(traces))
