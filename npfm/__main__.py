@@ -22,7 +22,7 @@ VERBS = {
     "compare": "PSNR of pictures against a reference",
     "tables": "gather fits and pictures into the tables of a run",
     "figure": "draw a figure from the tables of a run",
-    "accuracy-cost": "tables and figures of what accuracy costs in time",
+    "accuracy-cost": "tables of what accuracy costs in time",
 }
 
 

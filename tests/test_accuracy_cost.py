@@ -281,7 +281,7 @@ def test_fewer_starts_are_the_first_ones_and_cost_no_more(glossy, monkeypatch):
     solve = solver(Solver(tolerance=1e-2, max_iterations=5))
     everything = independent_g.fit(glossy, Objective(), solve, seed=1)
     monkeypatch.setattr(g_from_d, "fit_samples", None)  # not among the first five
-    few = independent_g.fit(glossy, Objective(), solve, seed=1, count=5)
+    few = independent_g.fit(glossy, Objective(), solve, seed=1, starts=5)
     for whole, part in zip(everything.records, few.records, strict=True):
         whole_runs, part_runs = ({t.start: t for t in r.traces} for r in (whole, part))
         assert set(part_runs) == {"random-1", "random-2", "random-3", "random-4", "ones"}

@@ -101,10 +101,8 @@ def test_rank_reaches_the_model(capsys, tmp_path, felt):
     ],
 )
 def test_settings_of_other_models_are_refused(capsys, tmp_path, felt, variant, option, value, said):
-    path = tmp_path / "felt.npz"
-    assert said in refused(
-        capsys, tmp_path, "fit", felt, "--variant", variant, option, value, "-o", path
-    )
+    call = "fit", felt, "--variant", variant, option, value, "-o", tmp_path / "felt.npz"
+    assert said in refused(capsys, tmp_path, *call)
 
 
 def test_tabulate_writes_the_fit_as_a_merl_file(capsys, tmp_path, felt):

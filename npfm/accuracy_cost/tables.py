@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from npfm import transport
+from npfm import tables, transport
 from npfm.fits import load_record
 from npfm.merl import Table
 from npfm.metrics import psnr
@@ -19,8 +19,25 @@ FITS = "material", "stage", "setting", "scene", "seconds", "bytes", "psnr_db"
 SAMPLING = (
     "sampling", "samples", "seconds", "material", "picture_db", "psnr_db", "reference_db"
 )  # fmt: skip
+#: Columns that hold text, in any of the tables.
+TEXT = {*TRACES[:4], "status", *FITS[:4], "sampling"}
 #: What stands for a start in the row of all of them together.
 TOGETHER = "together"
+
+
+def read(paths: Sequence[str], columns: Sequence[str]) -> pd.DataFrame:
+    """Read one of the tables from the files it was written to; errors are those of `tables.read`.
+
+    Parameters
+    ----------
+    paths : sequence of str
+        CSV files.
+    columns : sequence of str
+        `TRACES`, `FITS` or `SAMPLING`.
+    """
+    text = [name for name in columns if name in TEXT]
+    numbers = [name for name in columns if name not in TEXT]
+    return pd.concat([tables.read(path, text, numbers) for path in paths], ignore_index=True)
 
 
 def traces(folders: Mapping[str, str], materials: Sequence[str]) -> pd.DataFrame:
@@ -151,8 +168,8 @@ def sampling(
         picture against that in the reference; psnr_db, the PSNR of the fit's picture against
         the measurement's, and reference_db, the same in the reference.
     """
-    tables = [table for pair in materials.values() for table in pair]
-    values = np.stack([t.values.reshape(3, -1).astype(np.float32) for t in tables], axis=-1)
+    shown = [table for pair in materials.values() for table in pair]
+    values = np.stack([t.values.reshape(3, -1).astype(np.float32) for t in shown], axis=-1)
     exact = transport.load(reference)
     foreground, truth = exact.foreground, pictures(exact, values)
     rows = []

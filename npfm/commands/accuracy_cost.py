@@ -3,7 +3,6 @@
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
-from types import ModuleType
 
 import pandas as pd
 
@@ -11,7 +10,6 @@ from npfm import tables, transport
 from npfm.accuracy_cost import tables as costs
 from npfm.commands.sources import table
 from npfm.errors import NpfmError
-from npfm.figures import style
 from npfm.merl import read_binary
 
 EXAMPLE = """\
@@ -23,10 +21,9 @@ examples:
   python -m npfm accuracy-cost sampling --reference scenes/many --builds scenes/few scenes/more \\
       --tables chrome.binary --fits chrome.npz -o sampling.csv
   python -m npfm accuracy-cost table --fits chrome.csv --sampling sampling.csv -o cost.csv
-  python -m npfm accuracy-cost figure convergence --tables traces.csv -o convergence.pdf
 Seconds are those that fits and scenes recorded when they were made; PSNR is in dB.
 """
-#: What each kind of table or figure is made from.
+#: What each kind of table is made from.
 SOURCES = {
     "traces": {
         "--fits": {"nargs": "+", "metavar": "SOLVER=FOLDER"},
@@ -47,13 +44,7 @@ SOURCES = {
         "--fits": {"nargs": "+", "help": "CSVs made by npfm accuracy-cost fits"},
         "--sampling": {"help": "CSV made by npfm accuracy-cost sampling"},
     },
-    "figure": {
-        "figure": {"choices": ["convergence", "pareto", "settings", "sampling"]},
-        "--tables": {"nargs": "+", "help": "CSVs: traces, fits, fits or sampling"},
-    },
 }
-#: Columns that hold text, in any of the tables.
-TEXT = {*costs.TRACES[:4], "status", *costs.FITS[:4], "sampling"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -65,12 +56,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         for name, options in sources.items():
             required = {"required": True} if name.startswith("--") else {}
             chosen.add_argument(name, **required, **options)
-        several = {"nargs": "+"} if kind == "figure" else {}
-        chosen.add_argument("-o", "--output", required=True, **several, help="to be written")
+        chosen.add_argument("-o", "--output", required=True, help="CSV to write")
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Make the table or the figure, and write it."""
+    """Make the table, and write it."""
     match arguments.kind:
         case "traces":
             made = costs.traces(_pairs(arguments.fits), arguments.materials)
@@ -81,12 +71,8 @@ def run(arguments: argparse.Namespace) -> None:
             materials = {Path(t).stem: (table(t), table(f)) for t, f in pairs}
             made = costs.sampling(arguments.reference, arguments.builds, materials)
         case "table":
-            fits = _read(arguments.fits, costs.FITS)
-            made = costs.cost(fits, _read([arguments.sampling], costs.SAMPLING))
-        case "figure":
-            module, columns = _figure(arguments.figure)
-            style.save(module.draw(_read(arguments.tables, columns)), arguments.output)
-            return
+            fits = costs.read(arguments.fits, costs.FITS)
+            made = costs.cost(fits, costs.read([arguments.sampling], costs.SAMPLING))
     tables.write(arguments.output, made)
 
 
@@ -105,31 +91,3 @@ def _fits(arguments: argparse.Namespace) -> pd.DataFrame:
     scenes = {Path(path).name: transport.load(path) for path in arguments.scenes}
     made = costs.fits(read_binary(arguments.table), settings, scenes, table)
     return made.assign(material=material)[list(costs.FITS)]
-
-
-def _read(paths: Sequence[str], columns: Sequence[str]) -> pd.DataFrame:
-    text = [name for name in columns if name in TEXT]
-    numbers = [name for name in columns if name not in TEXT]
-    return pd.concat([tables.read(path, text, numbers) for path in paths], ignore_index=True)
-
-
-def _figure(name: str) -> tuple[ModuleType, Sequence[str]]:
-    """Return the module that draws a figure, and the columns it reads."""
-    match name:
-        case "convergence":
-            from npfm.figures import convergence as module
-
-            columns = costs.TRACES
-        case "pareto":
-            from npfm.figures import pareto as module
-
-            columns = costs.FITS
-        case "settings":
-            from npfm.figures import settings as module
-
-            columns = costs.FITS
-        case "sampling":
-            from npfm.figures import sampling as module
-
-            columns = costs.SAMPLING
-    return module, columns

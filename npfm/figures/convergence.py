@@ -1,11 +1,14 @@
 """Objective against seconds: every start of every channel, by both solvers."""
 
+import argparse
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from npfm.accuracy_cost.tables import TRACES, read
 from npfm.figures import style
 
 PANEL_HEIGHT, LEGEND_HEIGHT = 1.2, 0.75  # inches
@@ -18,6 +21,16 @@ RUNS = {
     ("gauss-newton", 1): {"linewidth": 0.5, "linestyle": (0, (3, 1)), "zorder": 2},
     ("awls", 0): {"linewidth": 0.5, "zorder": 1},
 }
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the figure is made from."""
+    parser.add_argument("--traces", required=True, help="CSV made by npfm accuracy-cost traces")
+
+
+def make(arguments: argparse.Namespace) -> Figure:
+    """Draw the figure from the table that the arguments name."""
+    return draw(read([arguments.traces], TRACES))
 
 
 def draw(traces: pd.DataFrame) -> Figure:

@@ -1,5 +1,6 @@
 """Figure 8 of Bagher et al. 2016: rendering errors across all materials."""
 
+import argparse
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -7,6 +8,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from npfm import tables
 from npfm.errors import NpfmError
 from npfm.figures import style
 
@@ -22,6 +24,37 @@ TEXT_SIZE = style.SETTINGS["font.size"]  # points
 LETTER = 0.6  # width of a letter, of its size
 LEGEND_MARK = 0.45  # inches, of a column of the legend besides the text
 POINTS = 72  # an inch
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the figure is made from."""
+    parser.add_argument("--psnr", required=True, help="CSV made by npfm tables psnr")
+    parser.add_argument(
+        "--order",
+        required=True,
+        choices=list(ORDERS),
+        help="sort materials by increasing diffuseness, or by decreasing error of independent-g",
+    )
+    parser.add_argument(
+        "--materials", help="CSV made by npfm tables materials; needed for --order diffuseness"
+    )
+
+
+def make(arguments: argparse.Namespace) -> Figure:
+    """Draw the figure from the tables that the arguments name."""
+    a = arguments
+    psnr = tables.read_psnr(a.psnr)
+    if a.order == "diffuseness" and not a.materials:
+        raise NpfmError("--order diffuseness needs --materials; make it with npfm tables materials")
+    try:
+        if a.order == "error":
+            order = by_error(psnr)
+        else:
+            materials = tables.read(a.materials, ["material"], ["diffuseness"])
+            order = by_diffuseness(psnr, materials)
+    except NpfmError as error:
+        raise NpfmError(f"{a.materials or a.psnr}: {error}") from error
+    return draw(psnr, order, ORDERS[a.order])
 
 
 def by_diffuseness(psnr: pd.DataFrame, materials: pd.DataFrame) -> list[str]:

@@ -1,5 +1,6 @@
 """A page of renderings of one material, as in the supplement of Bagher et al. 2016."""
 
+import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -8,10 +9,26 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
+from npfm import tables
 from npfm.errors import NpfmError
 from npfm.figures import style
 
 CELL = 1.35  # inches, side of a picture
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the figure is made from."""
+    parser.add_argument("--psnr", required=True, help="CSV made by npfm tables psnr")
+    parser.add_argument("--run", required=True, help="folder of the run")
+    parser.add_argument("--material", required=True, help="the material")
+    parser.add_argument("--scenes", nargs="+", required=True, help="rows")
+    parser.add_argument("--variants", nargs="+", required=True, help="columns")
+
+
+def make(arguments: argparse.Namespace) -> Figure:
+    """Draw the figure from the pictures and the table that the arguments name."""
+    a = arguments
+    return draw(a.run, tables.read_psnr(a.psnr), a.material, a.scenes, a.variants)
 
 
 def draw(

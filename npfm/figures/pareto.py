@@ -1,16 +1,31 @@
 """Mean PSNR against mean seconds, and against bytes, of every variant by every solver."""
 
+import argparse
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from npfm.accuracy_cost.tables import FITS, read
 from npfm.figures import style
 
 HEIGHT, LEGEND_LINE, LEGEND_COLUMNS = 2.6, 0.16, 3  # inches, but for the columns
 LARGEST_MARK = 260.0  # square points, for the most bytes
 FRONT = {"color": "0.5", "linewidth": 0.7}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the figure is made from."""
+    parser.add_argument(
+        "--fits", nargs="+", required=True, help="CSVs made by npfm accuracy-cost fits"
+    )
+
+
+def make(arguments: argparse.Namespace) -> Figure:
+    """Draw the figure from the tables that the arguments name."""
+    return draw(read(arguments.fits, FITS))
 
 
 def draw(fits: pd.DataFrame) -> Figure:

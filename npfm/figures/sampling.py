@@ -1,10 +1,13 @@
 """Error of the renderer against samples and seconds, by how light directions are chosen."""
 
+import argparse
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from npfm.accuracy_cost.tables import SAMPLING, read
 from npfm.figures import style
 
 HEIGHT = 4.4  # inches
@@ -13,6 +16,16 @@ TITLES = {
     "half-vector": "half vectors alone",
     "light+half-vector": "both combined",
 }
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the figure is made from."""
+    parser.add_argument("--sampling", required=True, help="CSV made by npfm accuracy-cost sampling")
+
+
+def make(arguments: argparse.Namespace) -> Figure:
+    """Draw the figure from the table that the arguments name."""
+    return draw(read([arguments.sampling], SAMPLING))
 
 
 def draw(sampling: pd.DataFrame) -> Figure:

@@ -1,10 +1,13 @@
 """PSNR and seconds against the number of starts, and against the tolerance."""
 
+import argparse
+
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
+from npfm.accuracy_cost.tables import FITS, read
 from npfm.figures import style
 
 HEIGHT = 3.8  # inches
@@ -12,6 +15,18 @@ LABELS = {
     "starts": "starts",
     "tolerance": "tolerance",
 }
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the figure is made from."""
+    parser.add_argument(
+        "--fits", nargs="+", required=True, help="CSVs made by npfm accuracy-cost fits"
+    )
+
+
+def make(arguments: argparse.Namespace) -> Figure:
+    """Draw the figure from the tables that the arguments name."""
+    return draw(read(arguments.fits, FITS))
 
 
 def draw(fits: pd.DataFrame) -> Figure:

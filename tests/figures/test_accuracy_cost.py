@@ -56,12 +56,12 @@ def samplings():
     return pd.DataFrame(rows, columns=SAMPLING)
 
 
-#: Name, table, and what draws it.
+#: Name, table, what draws it, and the option that names the table.
 FIGURES = {
-    "convergence": (traces, convergence),
-    "pareto": (fits, pareto),
-    "settings": (fits, settings),
-    "sampling": (samplings, sampling),
+    "convergence": (traces, convergence, "--traces"),
+    "pareto": (fits, pareto, "--fits"),
+    "settings": (fits, settings, "--fits"),
+    "sampling": (samplings, sampling, "--sampling"),
 }
 
 
@@ -142,7 +142,7 @@ def test_the_verb_draws_the_same_bytes_again(name, tmp_path, monkeypatch):
     table = tmp_path / "table.csv"
     tables.write(table, FIGURES[name][0]())
     outputs = [tmp_path / "figure.pdf", tmp_path / "figure.png"]
-    call = ["accuracy-cost", "figure", name, "--tables", str(table), "-o", *map(str, outputs)]
+    call = ["figure", name, FIGURES[name][2], str(table), "-o", *map(str, outputs)]
     assert main(call) == 0
     first = [path.read_bytes() for path in outputs]
     later = time.time() + 86_400
@@ -155,7 +155,7 @@ def test_the_verb_draws_the_same_bytes_again(name, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_nothing_is_cut_off_and_axes_are_labelled(name):
-    table, module = FIGURES[name]
+    table, module, _ = FIGURES[name]
     figure = module.draw(table())
     figure.draw_without_rendering()
     boxes = [ax.get_tightbbox() for ax in figure.axes]

@@ -139,17 +139,18 @@ rule accuracy_cost_table:
         " -o {output} 2> {log}"
 
 
+# By figure: the option that names its tables, and these.
 COST_FIGURES = {
-    "convergence": rules.accuracy_cost_traces.output,
-    "pareto": rules.accuracy_cost_table.input.fits,
-    "settings": rules.accuracy_cost_table.input.fits,
-    "sampling": rules.accuracy_cost_sampling.output,
+    "convergence": ("--traces", rules.accuracy_cost_traces.output),
+    "pareto": ("--fits", rules.accuracy_cost_table.input.fits),
+    "settings": ("--fits", rules.accuracy_cost_table.input.fits),
+    "sampling": ("--sampling", rules.accuracy_cost_sampling.output),
 }
 
 
 rule accuracy_cost_figure:
     input:
-        lambda wildcards: COST_FIGURES[wildcards.figure],
+        lambda wildcards: COST_FIGURES[wildcards.figure][1],
     output:
         pdf=f"{OUT}/figures/accuracy_cost_{{figure}}.pdf",
         png=f"{OUT}/figures/accuracy_cost_{{figure}}.png",
@@ -163,10 +164,11 @@ rule accuracy_cost_figure:
         mem_mb=500,
     params:
         code=lambda wildcards: digest(
-            (f"npfm.figures.{wildcards.figure}",), ("npfm.commands.accuracy_cost",)
+            (f"npfm.figures.{wildcards.figure}",), ("npfm.commands.figure",)
         ),
+        option=lambda wildcards: COST_FIGURES[wildcards.figure][0],
     shell:
-        "python -m npfm accuracy-cost figure {wildcards.figure} --tables {input}"
+        "python -m npfm figure {wildcards.figure} {params.option} {input}"
         " -o {output} 2> {log}"
 
 
