@@ -4,7 +4,8 @@
 
 For each material and model, Gauss-Newton fits all channels from all starts, as `npfm fit` does.
 AWLS then gets the same samples and starts and `BUDGET` times the seconds, shared evenly by the
-starts. A row of the table is a channel:
+starts. Seconds are of processor time.
+A row of the table is a channel:
 
 seconds             what Gauss-Newton took, all starts and preparations included
 objective           what it reached, a share of the zero model's
@@ -47,8 +48,8 @@ class Watched:
     """A problem that notes the objective after each iteration of AWLS, until time is over."""
 
     def __init__(self, problem, seconds):
-        self.problem, self.deadline = problem, time.perf_counter() + seconds
-        self.began, self.points = time.perf_counter(), []
+        self.problem, self.deadline = problem, time.process_time() + seconds
+        self.began, self.points = time.process_time(), []
 
     def __getattr__(self, name):
         return getattr(self.problem, name)
@@ -56,7 +57,7 @@ class Watched:
     def normalised(self, state):
         """End an iteration; called once in each."""
         state = self.problem.normalised(state)
-        now = time.perf_counter()
+        now = time.process_time()
         self.points.append((now - self.began, self.objective(state) / self.energy))
         if now > self.deadline:
             raise OutOfTime
@@ -83,9 +84,9 @@ def compare(path, model):
         asked.append((problem, dict(starts)))
         return solve(problem, asked[-1][1])
 
-    began = time.perf_counter()
+    began = time.process_time()
     fit = variants.model(model).fit(read_binary(path), Objective(), remembering, 1)
-    read_and_fit = time.perf_counter() - began
+    read_and_fit = time.process_time() - began
     for k, record in enumerate(fit.records):
         row = {"channel": record.channel, "read_and_fit": read_and_fit, "seconds": record.seconds}
         row["objective"] = record.objective

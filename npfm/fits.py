@@ -29,7 +29,8 @@ class Trace:
     iterations, gss_calls : int
         Sweeps over the factors, and golden-section searches among them.
     seconds, objective : tuple of float
-        At the start and after each iteration: time since the start, and the objective as a
+        At the start and after each iteration: processor time since the start, which other work
+        on the machine does not lengthen, and the objective as a
         share of that of the zero model.
     """
 
@@ -45,7 +46,7 @@ class Trace:
 class ChannelRecord:
     """How one channel was fitted; `objective` and `objective_floor` are relative as in `Trace`.
 
-    `seconds` is the time of the whole channel, all starts and preparations included;
+    `seconds` is the processor time of the whole channel, all starts and preparations included;
     `objective_floor` is the part of the objective that no reciprocal model can remove.
     """
 

@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Build the transport matrix."""
     scene = scenes.Scene(tuple(arguments.objects), tuple(arguments.effects), arguments.mesh)
     light = environment.read(arguments.light)
-    began = time.perf_counter()
+    began = time.process_time()
     matrix = assembly.build(
         scene,
         light,
@@ -63,7 +63,7 @@ def run(arguments: argparse.Namespace) -> None:
         "sampling": arguments.sampling,
         "samples": arguments.samples,
         "resolution": arguments.resolution,
-        "seconds": time.perf_counter() - began,
+        "seconds": time.process_time() - began,
     }
     transport.save(arguments.output, matrix)
     if arguments.record:

@@ -52,7 +52,7 @@ def fit_channels(
     """
     fitted, records = [], []
     for channel, name in enumerate(CHANNELS):
-        began = time.perf_counter()
+        began = time.process_time()
         samples = channel_samples(table, channel, objective)
         folded = fold(samples)
         result = fit_channel(folded if reciprocal else samples, channel)
@@ -67,7 +67,7 @@ def fit_channels(
         records.append(
             ChannelRecord(
                 channel=name,
-                seconds=time.perf_counter() - began,
+                seconds=time.process_time() - began,
                 best_start=best.start,
                 objective=best.objective[-1],
                 objective_floor=folded.floor / energy,

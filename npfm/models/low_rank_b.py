@@ -133,7 +133,7 @@ class Compressor:
         """
         found = self._made(np.zeros((len(self.rows), V.shape[1])), V)
         objectives = [self.problem.objective(found.state)]
-        seconds, status = [time.perf_counter() - began], "converged"
+        seconds, status = [time.process_time() - began], "converged"
         for released in (False, True):
             decrease = np.inf
             while decrease > TOLERANCE * objectives[-1]:
@@ -146,7 +146,7 @@ class Compressor:
                 if decrease > 0:
                     found = candidate
                     objectives.append(reached)
-                    seconds.append(time.perf_counter() - began)
+                    seconds.append(time.process_time() - began)
         energy = self.problem.energy or 1.0
         relative = tuple(objective / energy for objective in objectives)
         return found, Trace(name, status, len(objectives) - 1, 0, tuple(seconds), relative)
@@ -207,7 +207,7 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int, *, rank: in
         raise NpfmError(f"{NAME} of rank {rank}: give a rank from 1 to {most}")
 
     def fit_channel(samples: Samples, channel: int) -> ChannelFit:
-        began = time.perf_counter()
+        began = time.process_time()
         problem, free, traces = bivariate_g.fit_samples(samples, solve)
         compressor = Compressor(problem, free)
         runs = [

@@ -29,7 +29,7 @@ def minimise(problem: Problem[S], name: str, state: S, settings: Solver) -> tupl
         The last state, and what happened. An iteration is one pass through the updates of a
         stage.
     """
-    began = time.perf_counter()
+    began = time.process_time()
     objectives, seconds = [problem.objective(state)], [0.0]
     gss_calls, status = 0, "converged"
     for updates in problem.stages:
@@ -45,7 +45,7 @@ def minimise(problem: Problem[S], name: str, state: S, settings: Solver) -> tupl
             state = problem.normalised(state)
             decrease = objectives[-1] - current
             objectives.append(current)
-            seconds.append(time.perf_counter() - began)
+            seconds.append(time.process_time() - began)
     relative = tuple(value / problem.energy if problem.energy else 0.0 for value in objectives)
     trace = Trace(name, status, len(objectives) - 1, gss_calls, tuple(seconds), relative)
     return state, trace

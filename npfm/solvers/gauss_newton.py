@@ -70,7 +70,7 @@ def minimise(
         An iteration is one accepted step.
     """
     offset = earlier.seconds[-1] if earlier else 0.0
-    began = time.perf_counter() - offset
+    began = time.process_time() - offset
     objectives, seconds = [problem.objective(state)], [offset]
     damping, calm, status = FIRST_DAMPING, 0, "converged"
     while calm < PATIENCE:
@@ -83,7 +83,7 @@ def minimise(
         state, reached = accepted
         calm = calm + 1 if objectives[-1] - reached <= settings.tolerance * reached else 0
         objectives.append(reached)
-        seconds.append(time.perf_counter() - began)
+        seconds.append(time.process_time() - began)
     relative = tuple(value / problem.energy if problem.energy else 0.0 for value in objectives)
     iterations = len(objectives) - 1 + (earlier.iterations if earlier else 0)
     return state, Trace(name, status, iterations, 0, tuple(seconds), relative)
