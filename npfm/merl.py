@@ -116,7 +116,8 @@ def write_binary(path: str | Path, table: Table) -> None:
     if table.grid != MERL:
         raise NpfmError(f"{path}: a MERL file cannot hold a table on the grid {table.grid.name}")
     with replacing(path) as temporary, open(temporary, "wb") as file:
-        np.array(MERL.shape, dtype="<i4").tofile(file)
+        # Not ndarray.tofile, which says nothing when the disk is full for its last bytes.
+        file.write(np.array(MERL.shape, dtype="<i4").data)
         scale = CHANNEL_SCALE[:, None, None, None]
         stored = np.where(table.values < 0, table.values, table.values / scale)
-        stored.astype("<f8", copy=False).tofile(file)
+        file.write(np.ascontiguousarray(stored, dtype="<f8").data)

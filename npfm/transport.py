@@ -4,17 +4,16 @@ Direct lighting is linear in the BRDF. For a fixed scene a pixel is a weighted s
 entries, so a picture is T @ table. `npfm.assembly` builds T, once for all materials.
 """
 
-import os
-import secrets
-import shutil
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from npfm.errors import NpfmError
+from npfm.files import replacing
 from npfm.merl import Table
 
 
@@ -96,17 +95,12 @@ def render(transport: Transport, table: Table) -> NDArray[np.float32]:
 
 def save(path: str | Path, transport: Transport) -> None:
     """Write a matrix as a folder of ``.npy`` files, whole or not at all."""
-    path = Path(path)
-    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
-    temporary.mkdir(parents=True)
-    try:
+    with replacing(path) as temporary:
+        temporary.mkdir()
         for name, value in vars(transport).items():
-            np.save(temporary / f"{name}.npy", value)
-        if path.exists():
-            shutil.rmtree(path)
-        os.replace(temporary, path)
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
+            with open(temporary / f"{name}.npy", "wb") as file:
+                # Not np.save, which says nothing when the disk is full for its last bytes.
+                np.lib.format.write_array(SimpleNamespace(write=file.write), value)
 
 
 def load(path: str | Path) -> Transport:

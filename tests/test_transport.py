@@ -310,18 +310,6 @@ def test_rendering_does_not_copy_what_is_mapped(tmp_path):
     assert peak < loaded.indices.nbytes / 2
 
 
-def test_a_failed_save_leaves_nothing(tmp_path, monkeypatch):
-    transport = build(SPHERE, WHITE, SMALL, 8, 8, 0)
-
-    def full(*arguments):
-        raise OSError("no space left")
-
-    monkeypatch.setattr(np, "save", full)
-    with pytest.raises(OSError, match="no space"):
-        save(tmp_path / "scene", transport)
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_load_names_a_damaged_folder(tmp_path):
     save(tmp_path / "scene", build(SPHERE, WHITE, SMALL, 8, 8, 0))
     (tmp_path / "scene" / "weights.npy").write_bytes(b"short")
