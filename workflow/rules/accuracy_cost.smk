@@ -4,6 +4,12 @@ COST = plan(RUN)
 COST_TABLES = digest(("npfm.accuracy_cost.tables",), ("npfm.commands.accuracy_cost",))
 
 
+localrules:
+    accuracy_cost_traces,
+    accuracy_cost_table,
+    accuracy_cost_figure,
+
+
 rule accuracy_cost_fit:
     input:
         rules.material.output,
@@ -16,6 +22,7 @@ rule accuracy_cost_fit:
         "../envs/npfm.yaml"
     resources:
         mem_mb=1000,
+        runtime=30,
     params:
         code=lambda wildcards: COST.study.fit_code(wildcards.variant),
         options=lambda wildcards: COST.study.variants[wildcards.variant].options,
@@ -60,6 +67,7 @@ rule accuracy_cost_fits:
         "../envs/npfm.yaml"
     resources:
         mem_mb=2500,
+        runtime=15,
     params:
         code=COST_TABLES,
         render=sorted(
@@ -86,6 +94,7 @@ rule accuracy_cost_scene:
         "../envs/npfm.yaml"
     resources:
         mem_mb=3000,
+        runtime=20,
     params:
         code=digest(("npfm.assembly", "npfm.transport"), ("npfm.commands.scene",)),
         options=lambda wildcards: COST.scene_options(wildcards.build),
@@ -111,6 +120,7 @@ rule accuracy_cost_sampling:
         "../envs/npfm.yaml"
     resources:
         mem_mb=2000,
+        runtime=15,
     params:
         code=COST_TABLES,
         render=COST.study.render_code("model-independent-g-gauss-newton"),

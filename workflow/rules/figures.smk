@@ -1,3 +1,8 @@
+localrules:
+    figure08,
+    table1,
+
+
 rule figure08:
     input:
         psnr=rules.psnr_table.output,
@@ -64,6 +69,7 @@ rule page:
         "../envs/npfm.yaml"
     resources:
         mem_mb=500,
+        runtime=5,
     params:
         code=digest(("npfm.figures.page",), ("npfm.commands.figure",)),
         names=f"--run {OUT} {VARIANTS} --scenes {' '.join(RUN.scenes)}",

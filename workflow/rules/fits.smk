@@ -10,6 +10,7 @@ rule fit:
         "../envs/npfm.yaml"
     resources:
         mem_mb=1000,
+        runtime=60,
     params:
         code=lambda wildcards: RUN.fit_code(wildcards.variant),
         options=lambda wildcards: RUN.variants[wildcards.variant].options,

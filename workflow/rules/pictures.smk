@@ -11,6 +11,7 @@ rule render_measured:
         "../envs/npfm.yaml"
     resources:
         mem_mb=2000,
+        runtime=5,
     params:
         code=RUN.render_code("measured"),
         tone=lambda wildcards: RUN.tone(wildcards.scene),
@@ -32,6 +33,7 @@ rule render_fit:
         "../envs/npfm.yaml"
     resources:
         mem_mb=2000,
+        runtime=5,
     params:
         code=lambda wildcards: RUN.render_code(wildcards.variant),
         tone=lambda wildcards: RUN.tone(wildcards.scene),

@@ -9,6 +9,7 @@ rule light:
         "../envs/npfm.yaml"
     resources:
         mem_mb=1000,
+        runtime=10,
     params:
         code=lambda wildcards: RUN.light_code(wildcards.light),
         options=lambda wildcards: RUN.light_options(wildcards.light),
@@ -28,6 +29,7 @@ rule scene:
         "../envs/npfm.yaml"
     resources:
         mem_mb=3000,
+        runtime=20,
     params:
         code=digest(("npfm.assembly", "npfm.transport"), ("npfm.commands.scene",)),
         options=lambda wildcards: RUN.scene_options(wildcards.scene),

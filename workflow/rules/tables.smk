@@ -9,6 +9,13 @@ MATERIALS = f"--run {OUT} --materials {' '.join(RUN.materials)}"
 VARIANTS = f"--variants {' '.join(RUN.variants)}"
 
 
+localrules:
+    psnr_table,
+    fits_table,
+    materials_table,
+    summary_table,
+
+
 rule psnr_table:
     input:
         RENDERS,
