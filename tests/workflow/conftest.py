@@ -48,15 +48,22 @@ class Project:
     folder: Path
     config = CONFIG
 
-    def snakemake(self, *arguments: str) -> subprocess.CompletedProcess:
-        """Run Snakemake in the copy, on the copied package."""
-        return subprocess.run(
+    def start(self, *arguments: str, **options) -> subprocess.Popen:
+        """Start Snakemake in the copy, on the copied package; `options` are those of Popen."""
+        return subprocess.Popen(
             [sys.executable, "-m", "snakemake", "--cores", "2", *arguments],
             cwd=self.folder,
             env=os.environ | {"PYTHONPATH": str(self.folder)},
-            capture_output=True,
             text=True,
+            **options,
         )
+
+    def snakemake(self, *arguments: str, **options) -> subprocess.CompletedProcess:
+        """Run Snakemake to its end."""
+        pipe = subprocess.PIPE
+        with self.start(*arguments, stdout=pipe, stderr=pipe, **options) as run:
+            output, errors = run.communicate()
+        return subprocess.CompletedProcess(run.args, run.returncode, output, errors)
 
     def configure(self, **changes) -> None:
         """Write config.yaml anew, with top-level keys replaced."""
@@ -94,6 +101,12 @@ def finished(tmp_path_factory) -> Project:
     run = project.snakemake()
     assert run.returncode == 0, run.stdout + run.stderr
     return project
+
+
+@pytest.fixture
+def fresh(tmp_path) -> Project:
+    """A copy of the code, nothing run yet, that a test may edit."""
+    return copied(tmp_path / "fresh")
 
 
 @pytest.fixture
