@@ -39,6 +39,7 @@ PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "srun", "squeue", "scance
 def started(folder: Path, cpus: int) -> Iterator[dict[str, str]]:
     """Start the daemons with all their files in `folder`; yield the environment for clients.
 
+    The folder is made; munge asks that everybody may look into those above it.
     The daemons are ended by their process ids when the block ends.
     """
     missing = [program for program in PROGRAMS if shutil.which(program) is None]
@@ -69,9 +70,8 @@ def wait_for(condition, what: str, seconds: float) -> None:
 
 
 def _configure(folder: Path, cpus: int) -> Path:
-    folder.chmod(0o755)  # munged asks that everybody can reach its socket
-    for name in ("state", "spool"):
-        (folder / name).mkdir(parents=True)
+    for name in (".", "state", "spool"):
+        (folder / name).mkdir()
     (folder / "munge.key").write_bytes(secrets.token_bytes(128))
     (folder / "munge.key").chmod(0o400)
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")

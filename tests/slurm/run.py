@@ -32,10 +32,11 @@ BEGAN = time.monotonic()
 def main(cpus: int) -> None:
     """Run everything, and tell of it."""
     folder = Path(tempfile.mkdtemp(prefix="npfm-slurm-"))
+    folder.chmod(0o755)
     alone, clustered = (_copied(folder / name) for name in ("alone", "clustered"))
     with started(folder / "slurm", cpus) as environment:
-        version = subprocess.check_output(["sinfo", "--version"], text=True).strip()
-        tell(f"{version}, one node, {cpus} cpus, files in {folder}")
+        version = subprocess.check_output(["sinfo", "--version"], env=environment, text=True)
+        tell(f"{version.strip()}, one node, {cpus} cpus, files in {folder}")
         _snakemake(alone, environment, "--cores", str(cpus))
         tell("the same run without Slurm is done")
         run = _snakemake(clustered, environment, *SLURM)
