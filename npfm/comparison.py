@@ -4,10 +4,31 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.metrics import psnr
 from npfm.pictures import read_exr
+
+
+def read_reference(path: str | Path) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """Read the picture of a measurement, and which of its pixels are compared.
+
+    Parameters
+    ----------
+    path : str or Path
+        EXR of linear radiance.
+
+    Returns
+    -------
+    radiance : ndarray, shape (height, width, 3)
+    foreground : ndarray of bool, shape (height, width)
+        Where the alpha, the coverage, is exactly 1; without an alpha channel, everywhere.
+    """
+    pixels = read_exr(path)
+    has_alpha = pixels.shape[2] == 4
+    foreground = pixels[..., 3] == 1 if has_alpha else np.ones(pixels.shape[:2], dtype=bool)
+    return pixels[..., :3], foreground
 
 
 def decibels(reference: str | Path, pictures: Iterable[str | Path]) -> list[float]:
@@ -16,8 +37,7 @@ def decibels(reference: str | Path, pictures: Iterable[str | Path]) -> list[floa
     Parameters
     ----------
     reference : str or Path
-        EXR of linear radiance. Foreground is where its alpha, the coverage, is exactly 1; without
-        an alpha channel, everywhere.
+        As `read_reference` takes it.
     pictures : iterable of str or Path
         EXRs of the same size.
 
@@ -31,14 +51,12 @@ def decibels(reference: str | Path, pictures: Iterable[str | Path]) -> list[floa
     NpfmError
         If a file cannot be read, or a picture cannot be compared with the reference.
     """
-    measured = read_exr(reference)
-    has_alpha = measured.shape[2] == 4
-    foreground = measured[..., 3] == 1 if has_alpha else np.ones(measured.shape[:2], dtype=bool)
+    measured, foreground = read_reference(reference)
     values = []
     for path in pictures:
         picture = read_exr(path)
         try:
-            values.append(psnr(picture[..., :3], measured[..., :3], foreground))
+            values.append(psnr(picture[..., :3], measured, foreground))
         except ValueError as error:
             raise NpfmError(
                 f"{path}: cannot be compared with {reference} ({error}); render both again"

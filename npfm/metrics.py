@@ -1,7 +1,7 @@
 """How far a picture is from its reference."""
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 
 def psnr(picture: ArrayLike, reference: ArrayLike, foreground: ArrayLike) -> float:
@@ -47,3 +47,22 @@ def psnr(picture: ArrayLike, reference: ArrayLike, foreground: ArrayLike) -> flo
         raise ValueError(f"the largest foreground value of the reference is {peak:g}")
     error = np.mean((picture - reference) ** 2)
     return float(20 * np.log10(peak) - 10 * np.log10(error)) if error > 0 else float("inf")
+
+
+def absolute_error(picture: ArrayLike, reference: ArrayLike) -> NDArray[np.float64]:
+    """Sum of the absolute errors of the colour channels at every pixel, in linear radiance.
+
+    Bagher et al. 2016, Figure 14.
+
+    Parameters
+    ----------
+    picture, reference : array_like, shape (height, width, 3)
+        Linear RGB radiance, before any tone mapping.
+
+    Returns
+    -------
+    ndarray, shape (height, width)
+        In the unit of the radiance.
+    """
+    picture, reference = (np.asarray(p, dtype=np.float64) for p in (picture, reference))
+    return np.abs(picture - reference).sum(axis=2)

@@ -17,6 +17,12 @@ PSNR is in dB; the same tables and pictures give the same bytes.
 FIGURES = {
     "figure08": "PSNR (dB) of every material and variant, mean over the scenes and in each of them",
     "page": "pictures of one material, measured and fitted, one row a scene",
+    "figure09": "renderings of the non-parametric fits, with PSNR (dB) and close-ups",
+    "figure10": "renderings of the materials that the first variant fits worst",
+    "figure11": "renderings where the bivariate model gains most, and where it loses most",
+    "figure12": "renderings against the models of Loew, and how many of them ours wins",
+    "figure13": "renderings against the factorisation of Bilgili, and how many of them ours wins",
+    "figure14": "error of the radiance at every pixel, as a share of the largest of ours",
     "convergence": "objective against seconds, every start by both solvers",
     "pareto": "mean PSNR (dB) against mean seconds of a fit, and against its bytes",
     "settings": "PSNR (dB) and seconds against the number of starts and the tolerance",
@@ -31,6 +37,18 @@ def _figure(name: str) -> ModuleType:
             from npfm.figures import figure08 as module
         case "page":
             from npfm.figures import page as module
+        case "figure09":
+            from npfm.figures import figure09 as module
+        case "figure10":
+            from npfm.figures import figure10 as module
+        case "figure11":
+            from npfm.figures import figure11 as module
+        case "figure12":
+            from npfm.figures import figure12 as module
+        case "figure13":
+            from npfm.figures import figure13 as module
+        case "figure14":
+            from npfm.figures import figure14 as module
         case "convergence":
             from npfm.figures import convergence as module
         case "pareto":

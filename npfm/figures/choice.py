@@ -8,6 +8,16 @@ CAPTIONS = {
     5: ("aluminium", "violet-rubber", "polyurethane-foam"),
     6: ("aluminium", "violet-acrylic", "polyurethane-foam"),
     7: ("nickel", "color-changing-paint1", "maroon-plastic", "white-fabric2"),
+    9: (
+        "nylon",
+        "polyethylene",
+        "silver-metallic-paint",
+        "yellow-plastic",
+        "red-specular-plastic",
+    ),
+    12: ("color-changing-paint3", "two-layer-gold", "specular-yellow-phenolic", "red-fabric"),
+    13: ("brass", "black-obsidian", "aluminium", "silicon-nitrade", "gold-metallic-paint2"),
+    14: ("specular-yellow-phenolic",),
 }
 _MERL = """
     chrome steel tungsten-carbide chrome-steel ss440 specular-black-phenolic black-obsidian

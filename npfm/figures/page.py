@@ -5,15 +5,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.image import imread
 
 from npfm import tables
-from npfm.errors import NpfmError
 from npfm.figures import style
+from npfm.figures.renderings import MEASURED, Row, picture, show
 
-CELL = 1.35  # inches, side of a picture
+COLUMNS = 6  # pictures side by side: names below and beside them stay readable on a page
+CELL = style.PAGE_WIDTH / COLUMNS  # inches, side of a picture with its margins
+TEXT = 0.24  # inches, name and decibels of a picture
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,8 +21,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--psnr", required=True, help="CSV made by npfm tables psnr")
     parser.add_argument("--run", required=True, help="folder of the run")
     parser.add_argument("--material", required=True, help="the material")
-    parser.add_argument("--scenes", nargs="+", required=True, help="rows")
-    parser.add_argument("--variants", nargs="+", required=True, help="columns")
+    parser.add_argument("--scenes", nargs="+", required=True, help="in this order")
+    parser.add_argument("--variants", nargs="+", required=True, help="beside the measurement")
 
 
 def make(arguments: argparse.Namespace) -> Figure:
@@ -38,18 +38,19 @@ def draw(
     scenes: Sequence[str],
     variants: Sequence[str],
 ) -> Figure:
-    """Draw the measurement and the fits of a material side by side, one row a scene.
+    """Draw the measurement and the fits of a material side by side, scene after scene.
 
     Parameters
     ----------
     run : str or Path
         Folder of the run, with the tone-mapped pictures.
     psnr : DataFrame
-        Columns scene, material, variant, psnr_db.
+        Columns scene, material, variant, psnr_db. A variant without a row for the material has
+        no fit of it; it is left out and named in the title.
     material : str
         The material.
     scenes, variants : sequence of str
-        Rows and columns; the measurement comes first.
+        What is drawn; the measurement comes first.
 
     Returns
     -------
@@ -61,26 +62,28 @@ def draw(
         If a picture is missing.
     """
     decibels = psnr[psnr.material == material].set_index(["scene", "variant"]).psnr_db
-    columns = ["measured", *variants]
+    fitted = [name for name in variants if name in decibels.index.unique("variant")]
+    shown = [MEASURED, *fitted]
+    lines = -(-len(shown) // COLUMNS)  # of a scene
+    columns = -(-len(shown) // lines)
     with style.context():
-        size = CELL * len(columns), (CELL + 0.12) * len(scenes) + 0.4
+        size = CELL * columns, (CELL + TEXT) * lines * len(scenes) + 0.3
         figure = Figure(figsize=size, layout="constrained")
-        grid = figure.subplots(len(scenes), len(columns), squeeze=False)
-        for axes, scene in zip(grid, scenes, strict=True):
-            for ax, variant in zip(axes, columns, strict=True):
-                _picture(ax, Path(run) / "renders" / scene / material / f"{variant}.png")
-                if (scene, variant) in decibels.index:
-                    ax.set_xlabel(f"{decibels[scene, variant]:.1f} dB", labelpad=2)
+        grid = figure.subplots(lines * len(scenes), columns, squeeze=False)
+        for k, scene in enumerate(scenes):
+            axes = grid[k * lines : (k + 1) * lines].flat
+            for ax, name in zip(axes, shown, strict=False):
+                show(ax, picture(run, Row(material, scene), name))
+                ax.set_title(name, fontsize=6, pad=2)
+                if name != MEASURED:
+                    ax.set_xlabel(f"{decibels[scene, name]:.1f} dB", fontsize=6, labelpad=2)
             axes[0].set_ylabel(f"scene {scene}")
-        for ax, variant in zip(grid[0], columns, strict=True):
-            ax.set_title(variant)
-        figure.suptitle(material, fontsize=9)
+            for ax in axes[len(shown) :]:
+                ax.set_axis_off()
+        figure.suptitle(_title(material, variants, fitted), fontsize=9)
     return figure
 
 
-def _picture(ax: Axes, path: Path) -> None:
-    if not path.is_file():
-        raise NpfmError(f"{path}: no such picture; make it with npfm render")
-    ax.imshow(imread(path), interpolation="nearest")
-    ax.set(xticks=[], yticks=[])
-    ax.spines[:].set_visible(False)
+def _title(material: str, variants: Sequence[str], fitted: Sequence[str]) -> str:
+    missing = [name for name in variants if name not in fitted]
+    return material + (f" (no fit: {', '.join(missing)})" if missing else "")

@@ -15,7 +15,7 @@ from npfm.errors import NpfmError
 from npfm.files import replacing
 
 #: Inches; the text of an ACM Transactions on Graphics page is 7 in wide, a column 3.33 in.
-PAGE_WIDTH = 7.0
+PAGE_WIDTH, COLUMN_WIDTH = 7.0, 3.33
 DPI = 300
 SETTINGS = {
     "font.family": "DejaVu Sans",  # comes with matplotlib: the same glyphs on every machine

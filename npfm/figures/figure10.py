@@ -1,0 +1,70 @@
+"""Figure 10 of Bagher et al. 2016: the non-parametric fits with the greatest error."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from npfm import tables
+from npfm.figures import renderings, style
+from npfm.figures.renderings import Row
+
+MATERIALS = 4  # shown
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the figure is made from."""
+    renderings.add_arguments(parser)
+
+
+def make(arguments: argparse.Namespace) -> Figure:
+    """Draw the figure from the pictures and the table that the arguments name."""
+    a = arguments
+    return draw(a.run, tables.read_psnr(a.psnr), a.variants)
+
+
+def draw(run: str | Path, psnr: pd.DataFrame, variants: Sequence[str]) -> Figure:
+    """Draw the worst fits beside the measurement, worst first.
+
+    Parameters
+    ----------
+    run : str or Path
+        Folder of the run, with the tone-mapped pictures.
+    psnr : DataFrame
+        Columns scene, material, variant, psnr_db.
+    variants : sequence of str
+        Columns; the first decides which materials are worst.
+
+    Raises
+    ------
+    NpfmError
+        If a picture is missing, or there is none to compare.
+    """
+    table, remark = renderings.common(psnr, variants)
+    rows = worst(run, list(map(renderings.Row, *zip(*table.index, strict=True))), variants[0])
+    with style.context():
+        figure, _ = renderings.draw(run, psnr, rows, variants, remark)
+    return figure
+
+
+def worst(run: str | Path, rows: Sequence[Row], variant: str) -> list[Row]:
+    """Return the materials that are wrong most visibly, each in its worst scene, worst first.
+
+    "Visual error" is that of `renderings.window`: the paper does not say how it was judged.
+
+    Parameters
+    ----------
+    run : str or Path
+        Folder of the run, with the tone-mapped pictures.
+    rows : sequence of Row
+        Pictures to choose from.
+    variant : str
+        The fit.
+    """
+    error = {row: renderings.telling_window(run, row, [variant]).difference for row in rows}
+    worst_of: dict[str, Row] = {}
+    for row in sorted(rows, key=error.get, reverse=True):
+        worst_of.setdefault(row.material, row)
+    return list(worst_of.values())[:MATERIALS]
