@@ -31,6 +31,7 @@ include: "workflow/rules/fits.smk"
 include: "workflow/rules/scenes.smk"
 include: "workflow/rules/pictures.smk"
 include: "workflow/rules/tables.smk"
+include: "workflow/rules/paper_figures_pictures.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/accuracy_cost.smk"
 

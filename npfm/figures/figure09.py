@@ -96,9 +96,7 @@ def emptiest_corner(foreground: NDArray[np.bool_], window: Window) -> tuple[floa
     return min(hidden, key=hidden.get)
 
 
-def _add_close_up(
-    ax: Axes, pixels: NDArray, window: Window, corner: tuple[float, float]
-) -> None:
+def _add_close_up(ax: Axes, pixels: NDArray, window: Window, corner: tuple[float, float]) -> None:
     """Frame the window, and show it large in a corner."""
     row, column, side = window.row, window.column, window.side
     frame = {"fill": False, "edgecolor": FRAME, "linewidth": 0.8}

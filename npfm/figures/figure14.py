@@ -94,7 +94,7 @@ def _draw_row(axes: Sequence[Axes], maps: Sequence[NDArray[np.float64]]) -> None
 
 
 def _draw_color_bar(figure: Figure, ours: str) -> None:
-    width, height = figure.get_size_inches()
+    height = figure.get_figheight()
     cax = figure.add_axes((0.25, (BELOW - 0.06 - BAR) / height, 0.5, BAR / height))
     bar = figure.colorbar(
         ScalarMappable(Normalize(0, 1), COLORS), cax=cax, orientation="horizontal", extend="max"

@@ -1,6 +1,7 @@
 """A page of renderings of one material, as in the supplement of Bagher et al. 2016."""
 
 import argparse
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,7 +14,8 @@ from npfm.figures.renderings import MEASURED, Row, picture, show
 
 COLUMNS = 6  # pictures side by side: names below and beside them stay readable on a page
 CELL = style.PAGE_WIDTH / COLUMNS  # inches, side of a picture with its margins
-TEXT = 0.24  # inches, name and decibels of a picture
+LETTERS = 24  # of a name above a picture
+TEXT = 0.2  # inches, name and decibels of a picture
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -74,7 +76,7 @@ def draw(
             axes = grid[k * lines : (k + 1) * lines].flat
             for ax, name in zip(axes, shown, strict=False):
                 show(ax, picture(run, Row(material, scene), name))
-                ax.set_title(name, fontsize=6, pad=2)
+                ax.set_title(textwrap.fill(name, LETTERS), fontsize=6, pad=3)
                 if name != MEASURED:
                     ax.set_xlabel(f"{decibels[scene, name]:.1f} dB", fontsize=6, labelpad=2)
             axes[0].set_ylabel(f"scene {scene}")

@@ -80,9 +80,7 @@ def common(psnr: pd.DataFrame, variants: Sequence[str]) -> tuple[pd.DataFrame, s
     left = table.dropna().clip(upper=EQUAL_DB)
     if left.empty:
         raise NpfmError(f"no picture that all of {', '.join(variants)} have; make them first")
-    lacking = [
-        f"{name} of {count}" for name, count in table.isna().sum().items() if count
-    ]
+    lacking = [f"{name} {count}" for name, count in table.isna().sum().items() if count]
     of = f"left out of {len(table)} renderings, for want of a fit: "
     return left, of + ", ".join(lacking) if lacking else ""
 

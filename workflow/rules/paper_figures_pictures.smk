@@ -4,9 +4,9 @@ COMPARED = compared(RUN.variants)
 
 
 rule figure_of_pictures:
+    # The table stands for the pictures: it is made from all of them.
     input:
-        psnr=rules.psnr_table.output,
-        pictures=RENDERS,
+        rules.psnr_table.output,
     output:
         pdf=f"{OUT}/figures/{{figure}}.pdf",
         png=f"{OUT}/figures/{{figure}}.png",
@@ -22,10 +22,12 @@ rule figure_of_pictures:
         code=lambda wildcards: digest(
             (f"npfm.figures.{wildcards.figure}",), ("npfm.commands.figure",)
         ),
-        variants=lambda wildcards: " ".join(COMPARED[wildcards.figure]),
+        names=lambda wildcards: (
+            f"--run {OUT} --variants {' '.join(COMPARED[wildcards.figure])}"
+        ),
     shell:
-        "python -m npfm figure {wildcards.figure} --run {OUT} --psnr {input.psnr}"
-        " --variants {params.variants} -o {output} 2> {log}"
+        "python -m npfm figure {wildcards.figure} {params.names} --psnr {input}"
+        " -o {output} 2> {log}"
 
 
 rule figures_of_pictures:
