@@ -43,7 +43,7 @@ _OWN = """
     mirror-metal hazy-chrome snooker-ball car-paint reflective-tape blue-plastic pearl-paint
     tarnished-bronze rough-gold satin-copper nylon dark-rubber terracotta chalk pink-felt
 """
-#: Materials by increasing diffuseness (equation 19 of the naive fit, mean over the channels): of the
+#: Materials by increasing diffuseness (equation 19 of the naive fit, mean of the channels): of the
 #: MERL database in neural form, and of the project's own.
 BY_DIFFUSENESS = _MERL.split(), _OWN.split()
 
