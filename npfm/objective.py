@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from npfm.errors import NpfmError
 from npfm.grid import Grid
@@ -100,8 +100,17 @@ def compressive_weight(relative: NDArray) -> NDArray[np.float64]:
     """
     exponent = COMPRESSION_ALPHA * np.asarray(relative, dtype=float)
     safe = np.where(exponent > 0, exponent, 1.0)
-    share = np.where(exponent > 0, -np.expm1(-safe) / safe, 1.0)
+    share = np.where(exponent > 0, compressed(safe, 1.0) / safe, 1.0)
     return share**COMPRESSION_POWER
+
+
+def compressed(x: ArrayLike, alpha: float = COMPRESSION_ALPHA) -> NDArray[np.float64]:
+    """Compressive function f(x; alpha) = (1 - exp(-alpha x)) / alpha (equation 12).
+
+    Bagher et al. 2016; it maps non-negative numbers to [0, 1 / alpha), and with the default alpha
+    1 to the middle of that.
+    """
+    return -np.expm1(-alpha * np.asarray(x)) / alpha
 
 
 def weighted_median(value: NDArray, weight: NDArray) -> float:

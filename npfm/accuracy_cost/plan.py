@@ -6,6 +6,7 @@ from typing import Any
 
 from npfm import variants
 from npfm.config import Run, check
+from npfm.study import fit_folders
 
 #: Whose starts, tolerance and traces are examined.
 MODEL = "independent-g"
@@ -48,15 +49,8 @@ class Plan:
 
     @property
     def fit_folders(self) -> dict[str, str]:
-        """Folder of the fits of each variant of the study; equal settings are fitted once.
-
-        Those that the run has are taken from there.
-        """
-        own, study = self.run.variants.values(), self.study.variants.values()
-        folders = {variant.options: f"{self.run.folder}/fits/{variant.name}" for variant in own}
-        for variant in study:
-            folders.setdefault(variant.options, f"{self.folder}/fits/{variant.name}")
-        return {variant.name: folders[variant.options] for variant in study}
+        """Folder of the fits of each variant of the study."""
+        return fit_folders(self.run, self.study, self.folder)
 
     def settings(self, stage: str) -> dict[str, str]:
         """Folder of the fits of each setting of a stage."""
