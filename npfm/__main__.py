@@ -16,6 +16,7 @@ VERBS = {
     "material": "write one material of a dataset as a MERL .binary file",
     "fit": "fit a model to a MERL .binary file",
     "tabulate": "write a fit as a MERL .binary file",
+    "texture": "write fits of many materials as one small EXR picture",
     "light": "convert a light probe, or generate a light, as a lat-long EXR",
     "scene": "build the transport matrix of a scene",
     "render": "render a MERL table or a fit in a scene",
@@ -35,6 +36,8 @@ def _command(verb: str) -> ModuleType:
             from npfm.commands import fit as module
         case "tabulate":
             from npfm.commands import tabulate as module
+        case "texture":
+            from npfm.commands import texture as module
         case "light":
             from npfm.commands import light as module
         case "scene":

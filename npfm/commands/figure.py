@@ -15,14 +15,21 @@ examples:
 PSNR is in dB; the same tables and pictures give the same bytes.
 """
 FIGURES = {
+    "figure03": "weights of the objective (share of the largest) over the three angles",
+    "figure04": "the compressive function",
+    "figure05": "measured and fitted BRDF at phi_d = 90 degrees, tone-mapped",
+    "figure06": "factors D, G and F (relative), beside the published ones",
+    "figure07": "pictures of fits with and without the compressive weight, with PSNR (dB)",
     "figure08": "PSNR (dB) of every material and variant, mean over the scenes and in each of them",
-    "page": "pictures of one material, measured and fitted, one row a scene",
     "figure09": "renderings of the non-parametric fits, with PSNR (dB) and close-ups",
     "figure10": "renderings of the materials that the first variant fits worst",
     "figure11": "renderings where the bivariate model gains most, and where it loses most",
     "figure12": "renderings against the models of Loew, and how many of them ours wins",
     "figure13": "renderings against the factorisation of Bilgili, and how many of them ours wins",
     "figure14": "error of the radiance at every pixel, as a share of the largest of ours",
+    "figure15": "pictures of fits to the full and to a restricted range of angles, with PSNR (dB)",
+    "figure16": "the texture of npfm texture, each parameter by its logarithm",
+    "page": "pictures of one material, measured and fitted, one row a scene",
     "convergence": "objective against seconds, every start by both solvers",
     "pareto": "mean PSNR (dB) against mean seconds of a fit, and against its bytes",
     "settings": "PSNR (dB) and seconds against the number of starts and the tolerance",
@@ -33,10 +40,18 @@ FIGURES = {
 def _figure(name: str) -> ModuleType:
     """Return the module of a figure: `add_arguments`, and `make` from what they say."""
     match name:
+        case "figure03":
+            from npfm.figures import figure03 as module
+        case "figure04":
+            from npfm.figures import figure04 as module
+        case "figure05":
+            from npfm.figures import figure05 as module
+        case "figure06":
+            from npfm.figures import figure06 as module
+        case "figure07":
+            from npfm.figures import figure07 as module
         case "figure08":
             from npfm.figures import figure08 as module
-        case "page":
-            from npfm.figures import page as module
         case "figure09":
             from npfm.figures import figure09 as module
         case "figure10":
@@ -49,6 +64,12 @@ def _figure(name: str) -> ModuleType:
             from npfm.figures import figure13 as module
         case "figure14":
             from npfm.figures import figure14 as module
+        case "figure15":
+            from npfm.figures import figure15 as module
+        case "figure16":
+            from npfm.figures import figure16 as module
+        case "page":
+            from npfm.figures import page as module
         case "convergence":
             from npfm.figures import convergence as module
         case "pareto":

@@ -11,7 +11,6 @@ from npfm import fits
 from npfm.errors import NpfmError
 from npfm.figures import slices, style
 from npfm.merl import Table, read_binary
-from npfm.models import g_from_d, independent_g, naive
 from npfm.objective import (
     COMPRESSION_ALPHA,
     Objective,
@@ -22,7 +21,7 @@ from npfm.objective import (
     weighted_median,
 )
 
-MODELS = {module.NAME: module for module in (independent_g, g_from_d, naive)}
+MODELS = ("independent-g", "g-from-d", "naive")
 HEADING, PITCH = 0.45, 1.62  # inches
 
 
@@ -50,10 +49,13 @@ def _row(run: str, material: str, variants: Sequence[str]) -> dict[str, NDArray]
 
 
 def _tabulate(path: str) -> Table:
+    from npfm.models import g_from_d, independent_g, naive  # numba takes its time to load
+
+    models = dict(zip(MODELS, (independent_g, g_from_d, naive), strict=True))
     fit = fits.load(path)
-    if fit.model not in MODELS:
+    if fit.model not in models:
         raise NpfmError(f"{path}: a fit of {fit.model}; give one of {', '.join(MODELS)}")
-    return MODELS[fit.model].tabulate(fit)
+    return models[fit.model].tabulate(fit)
 
 
 def median(table: Table) -> float:

@@ -16,7 +16,6 @@ from npfm.figures import style
 from npfm.figures.slices import TICKS_H
 from npfm.grid import MERL
 from npfm.merl import CHANNELS
-from npfm.models.microfacet import G_THETA
 
 PANEL_HEIGHT, LEGEND_HEIGHT = 1.35, 0.4  # inches
 #: Okabe and Ito's colours nearest to the channels' own.
@@ -30,7 +29,7 @@ LARGEST_ANGLE, LEAST = 80.0, 2e-6  # degrees; of the largest
 #: only the product of F and the square of G can be told from the measurement.
 ANGLES = {
     "D": np.degrees(MERL.theta_h),
-    "G": np.degrees(G_THETA),
+    "G": np.degrees(MERL.theta_d),  # whose bins have the nodes of G at their centres
     "F": np.degrees(MERL.theta_d),
     "F G²": np.degrees(MERL.theta_d),
 }
