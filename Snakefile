@@ -10,6 +10,9 @@ from npfm.provenance import digest
 configfile: "config.yaml"
 
 
+report: "workflow/report/workflow.rst"
+
+
 try:
     RUN = check(config)
 except NpfmError as error:
@@ -32,6 +35,7 @@ include: "workflow/rules/scenes.smk"
 include: "workflow/rules/pictures.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/paper_figures_pictures.smk"
+include: "workflow/rules/paper_figures_factors.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/accuracy_cost.smk"
 

@@ -18,6 +18,7 @@ CAPTIONS = {
     12: ("color-changing-paint3", "two-layer-gold", "specular-yellow-phenolic", "red-fabric"),
     13: ("brass", "black-obsidian", "aluminium", "silicon-nitrade", "gold-metallic-paint2"),
     14: ("specular-yellow-phenolic",),
+    15: ("nickel", "color-changing-paint1", "maroon-plastic", "white-fabric2"),  # as Figure 7
 }
 _MERL = """
     chrome steel tungsten-carbide chrome-steel ss440 specular-black-phenolic black-obsidian

@@ -1,4 +1,4 @@
-"""Rows of renderings, the measurement beside its fits: what Figures 9 to 14 have in common."""
+"""Rows of renderings, the measurement beside its fits, as in Figures 7 and 9 to 15."""
 
 import argparse
 import textwrap
@@ -136,26 +136,28 @@ def width(columns: int) -> float:
     return style.PAGE_WIDTH if columns > 3 else style.COLUMN_WIDTH
 
 
-def sheet(rows: int, columns: int, below: float) -> tuple[Figure, NDArray]:
+def sheet(
+    rows: int, columns: int, below: float, heading: float = HEADING
+) -> tuple[Figure, NDArray]:
     """Return a figure of square cells that fill its width, and their axes, top row first.
 
     Parameters
     ----------
     rows, columns : int
         Number of cells.
-    below : float
-        Inches left under the cells.
+    below, heading : float
+        Inches left under and over the cells.
     """
     total = width(columns)
     pitch = (total - LABEL - EDGE + GAP) / columns
-    height = HEADING + rows * pitch + below
+    height = heading + rows * pitch + below
     figure = Figure(figsize=(total, height))
     grid = figure.add_gridspec(
         rows,
         columns,
         left=LABEL / total,
         right=1 - EDGE / total,
-        top=1 - HEADING / height,
+        top=1 - heading / height,
         bottom=(below + GAP) / height,
         wspace=GAP / (pitch - GAP),
         hspace=GAP / (pitch - GAP),
@@ -170,6 +172,7 @@ def draw(
     variants: Sequence[str],
     remark: str = "",
     below: float = 0.0,
+    headings: Sequence[str] | None = None,
 ) -> tuple[Figure, NDArray]:
     """Draw the measurement and some fits side by side, with the PSNR in the lower left corner.
 
@@ -185,6 +188,8 @@ def draw(
         Stands under the pictures.
     below : float
         Inches to leave under the pictures, besides the remark.
+    headings : sequence of str, optional
+        What stands over the variants, if not their names.
 
     Returns
     -------
@@ -199,7 +204,9 @@ def draw(
     columns = [MEASURED, *variants]
     decibels = renderings(psnr, list(variants))
     lines = textwrap.wrap(remark, int(width(len(columns)) * REMARK_LETTERS))
-    figure, axes = sheet(len(rows), len(columns), below + LINE * len(lines))
+    headings = [MEASURED, *(headings or variants)]
+    over = HEADING + LINE * max(heading.count("\n") for heading in headings)
+    figure, axes = sheet(len(rows), len(columns), below + LINE * len(lines), over)
     for line, row in zip(axes, rows, strict=True):
         for ax, variant in zip(line, columns, strict=True):
             show(ax, picture(run, row, variant))
@@ -207,8 +214,8 @@ def draw(
                 value = decibels.loc[(row.material, row.scene), variant]
                 corner_label(ax, f"{value:.1f} dB")
         row_label(line[0], row)
-    for ax, variant in zip(axes[0], columns, strict=True):
-        ax.set_title(variant, pad=3)
+    for ax, heading in zip(axes[0], headings, strict=True):
+        ax.set_title(heading, pad=3)
     for k, line in enumerate(lines):
         y = (below + LINE * (len(lines) - k - 0.7)) / figure.get_figheight()
         figure.text(0.01, y, line, fontsize=6)

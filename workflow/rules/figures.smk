@@ -51,6 +51,7 @@ rule figures:
     input:
         expand(rules.figure08.output, order=RUN.orders),
         rules.table1.output,
+        rules.figures_of_factors.input,
         rules.figures_of_pictures.input,
 
 
