@@ -21,28 +21,30 @@ CAPTIONS = {
     15: ("nickel", "color-changing-paint1", "maroon-plastic", "white-fabric2"),  # as Figure 7
 }
 _MERL = """
-    chrome steel tungsten-carbide chrome-steel ss440 specular-black-phenolic black-obsidian
-    specular-green-phenolic specular-blue-phenolic brass silicon-nitrade hematite
-    red-metallic-paint specular-violet-phenolic aluminium aventurnine blue-metallic-paint2
-    green-plastic specular-maroon-phenolic specular-white-phenolic grease-covered-steel
-    blue-acrylic green-acrylic green-metallic-paint2 gold-metallic-paint3 violet-acrylic
-    red-specular-plastic maroon-plastic specular-yellow-phenolic red-phenolic
-    gold-metallic-paint2 black-phenolic alumina-oxide specular-red-phenolic two-layer-silver
-    specular-orange-phenolic two-layer-gold pink-jasper white-marble gray-plastic
-    yellow-phenolic pvc white-acrylic color-changing-paint1 color-changing-paint3 nickel
-    color-changing-paint2 alum-bronze fruitwood-241 pickled-oak-260 purple-paint
-    ipswich-pine-221 yellow-matte-plastic nylon cherry-235 natural-209 silver-metallic-paint
-    silver-metallic-paint2 colonial-maple-223 gold-paint gold-metallic-paint blue-metallic-paint
-    silver-paint green-metallic-paint pearl-paint red-plastic special-walnut-224 violet-rubber
-    delrin neoprene-rubber white-paint black-oxidized-steel black-soft-plastic green-latex
-    blue-rubber dark-blue-paint yellow-plastic polyethylene dark-specular-fabric pink-plastic
-    red-fabric light-red-paint white-diffuse-bball orange-paint dark-red-paint white-fabric2
-    yellow-paint pure-rubber teflon green-fabric pink-fabric2 pink-felt blue-fabric white-fabric
-    pink-fabric black-fabric beige-fabric red-fabric2 light-brown-fabric polyurethane-foam
+    steel specular-white-phenolic chrome tungsten-carbide specular-black-phenolic
+    specular-maroon-phenolic chrome-steel specular-green-phenolic green-plastic ss440
+    specular-violet-phenolic specular-blue-phenolic black-obsidian maroon-plastic
+    red-specular-plastic specular-yellow-phenolic aventurnine blue-acrylic aluminium hematite
+    silicon-nitrade green-acrylic brass violet-acrylic specular-orange-phenolic alumina-oxide
+    white-acrylic specular-red-phenolic red-metallic-paint white-marble green-metallic-paint2
+    yellow-phenolic red-phenolic pink-jasper blue-metallic-paint2 gray-plastic
+    gold-metallic-paint3 black-phenolic grease-covered-steel yellow-matte-plastic white-paint
+    gold-metallic-paint2 alum-bronze two-layer-gold two-layer-silver color-changing-paint1
+    color-changing-paint3 nickel pvc color-changing-paint2 purple-paint fruitwood-241 nylon
+    delrin white-diffuse-bball cherry-235 neoprene-rubber green-metallic-paint teflon
+    silver-metallic-paint pure-rubber silver-paint blue-rubber blue-metallic-paint
+    black-oxidized-steel gold-paint ipswich-pine-221 dark-specular-fabric gold-metallic-paint
+    natural-209 colonial-maple-223 pink-plastic violet-rubber special-walnut-224 pearl-paint
+    yellow-plastic yellow-paint red-plastic pickled-oak-260 light-red-paint
+    silver-metallic-paint2 orange-paint dark-red-paint dark-blue-paint polyethylene black-fabric
+    green-fabric polyurethane-foam black-soft-plastic white-fabric2 red-fabric beige-fabric
+    light-brown-fabric pink-felt blue-fabric white-fabric green-latex pink-fabric red-fabric2
+    pink-fabric2
 """
 _OWN = """
-    mirror-metal hazy-chrome snooker-ball car-paint reflective-tape blue-plastic pearl-paint
-    tarnished-bronze rough-gold satin-copper nylon dark-rubber terracotta chalk pink-felt
+    mirror-metal car-paint snooker-ball hazy-chrome reflective-tape tarnished-bronze
+    blue-plastic pearl-paint rough-gold nylon pink-felt chalk terracotta satin-copper
+    dark-rubber
 """
 #: Materials by increasing diffuseness (equation 19 of the naive fit, mean of the channels): of the
 #: MERL database in neural form, and of the project's own.
