@@ -45,7 +45,11 @@ def started(folder: Path, cpus: int) -> Iterator[dict[str, str]]:
     missing = [program for program in PROGRAMS if shutil.which(program) is None]
     if missing:
         raise SystemExit(f"{', '.join(missing)}: not found; apt install slurm-wlm munge")
-    environment = os.environ | {"SLURM_CONF": str(_configure(folder, cpus))}
+    configuration = _configure(folder, cpus)
+    environment = os.environ | {
+        "SLURM_CONF": str(configuration),
+        "PATH": f"{_wrapped(folder / 'bin', configuration)}:{os.environ['PATH']}",
+    }
     host, key = socket.gethostname().split(".")[0], folder / "munge.key"
     munge = [f"--socket={folder}/munge.socket", f"--key-file={key}"]
     munge += [f"--{kind}-file={folder}/munge.{kind}" for kind in ("pid", "log", "seed")]
@@ -88,6 +92,15 @@ def _configure(folder: Path, cpus: int) -> Path:
         )
     )
     return path
+
+
+def _wrapped(folder: Path, configuration: Path) -> Path:
+    """Make an srun that finds the configuration: Snakemake's jobs drop SLURM_CONF."""
+    folder.mkdir()
+    srun = folder / "srun"
+    srun.write_text(f'#!/bin/sh\nSLURM_CONF={configuration} exec {shutil.which("srun")} "$@"\n')
+    srun.chmod(0o755)
+    return folder
 
 
 def _free_port() -> int:

@@ -166,4 +166,5 @@ def _cancel(job: str, environment: dict[str, str]) -> bool:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("terminated"))  # ends the daemons as well
     main(int(sys.argv[1]) if len(sys.argv) > 1 else len(os.sched_getaffinity(0)))
