@@ -10,8 +10,11 @@ from npfm.errors import NpfmError
 from npfm.grid import MERL, Grid
 from npfm.merl import Table
 from npfm.objective import (
+    COMPRESSION_ALPHA,
+    COMPRESSION_POWER,
     Objective,
     channel_samples,
+    compressed,
     compressive_weight,
     counted,
     evaluate,
@@ -226,3 +229,10 @@ def test_no_sample_within_the_limit(channel, name):
     with pytest.raises(NpfmError, match=f"{name} channel has no valid sample .* 60 degrees"):
         channel_samples(table, channel, Objective(max_angle=60))
     assert channel_samples(table, 1, Objective(max_angle=60)).energy > 0
+
+
+def test_the_compressive_function_maps_1_to_the_middle_and_nears_its_bounds():
+    assert compressed(1.0) == pytest.approx(0.5 / COMPRESSION_ALPHA)
+    np.testing.assert_allclose(compressed([1e-9, 1e9], alpha=0.3), [1e-9, 1 / 0.3])
+    x = np.array([0.3, 1.0, 40.0])
+    np.testing.assert_allclose(compressive_weight(x), (compressed(x) / x) ** COMPRESSION_POWER)

@@ -10,24 +10,15 @@ localrules:
     accuracy_cost_figure,
 
 
-rule accuracy_cost_fit:
-    input:
-        rules.material.output,
+use rule fit as accuracy_cost_fit with:
     output:
         fit=f"{COST.folder}/fits/{{variant}}/{{material}}.npz",
         record=f"{COST.folder}/fits/{{variant}}/{{material}}.json",
     log:
         f"{OUT}/logs/accuracy_cost/fits/{{variant}}/{{material}}.log",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=1000,
-        runtime=30,
     params:
         code=lambda wildcards: COST.study.fit_code(wildcards.variant),
         options=lambda wildcards: COST.study.variants[wildcards.variant].options,
-    shell:
-        "python -m npfm fit {input} {params.options} -o {output.fit} 2> {log}"
 
 
 rule accuracy_cost_traces:
@@ -135,7 +126,12 @@ rule accuracy_cost_table:
         fits=expand(rules.accuracy_cost_fits.output, material=COST.materials),
         sampling=rules.accuracy_cost_sampling.output,
     output:
-        f"{OUT}/tables/accuracy_cost.csv",
+        report(
+            f"{OUT}/tables/accuracy_cost.csv",
+            caption="../report/accuracy_cost.rst",
+            category="Cost of accuracy",
+            labels={"result": "table"},
+        ),
     log:
         f"{OUT}/logs/accuracy_cost/table.log",
     conda:
@@ -163,7 +159,12 @@ rule accuracy_cost_figure:
         lambda wildcards: COST_FIGURES[wildcards.figure][1],
     output:
         pdf=f"{OUT}/figures/accuracy_cost_{{figure}}.pdf",
-        png=f"{OUT}/figures/accuracy_cost_{{figure}}.png",
+        png=report(
+            f"{OUT}/figures/accuracy_cost_{{figure}}.png",
+            caption="../report/accuracy_cost_figure.rst",
+            category="Cost of accuracy",
+            labels={"result": "{figure}"},
+        ),
     log:
         f"{OUT}/logs/accuracy_cost/figures/{{figure}}.log",
     wildcard_constraints:

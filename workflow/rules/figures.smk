@@ -11,7 +11,12 @@ rule figure08:
         ),
     output:
         pdf=f"{OUT}/figures/figure08_by_{{order}}.pdf",
-        png=f"{OUT}/figures/figure08_by_{{order}}.png",
+        png=report(
+            f"{OUT}/figures/figure08_by_{{order}}.png",
+            caption="../report/figure08.rst",
+            category="Figures of the paper",
+            labels={"figure": "8: PSNR of all materials, by {order}"},
+        ),
     log:
         f"{OUT}/logs/figures/figure08_by_{{order}}.log",
     wildcard_constraints:
@@ -34,7 +39,12 @@ rule table1:
     input:
         rules.fits_table.output,
     output:
-        f"{OUT}/figures/table1.csv",
+        report(
+            f"{OUT}/figures/table1.csv",
+            caption="../report/table1.rst",
+            category="Tables",
+            labels={"table": "I: fitting statistics"},
+        ),
     log:
         f"{OUT}/logs/figures/table1.log",
     conda:
@@ -64,7 +74,12 @@ rule page:
         ),
         psnr=rules.psnr_table.output,
     output:
-        f"{OUT}/figures/pages/{{material}}.png",
+        report(
+            f"{OUT}/figures/pages/{{material}}.png",
+            caption="../report/page.rst",
+            category="Renderings",
+            labels={"material": "{material}"},
+        ),
     log:
         f"{OUT}/logs/figures/pages/{{material}}.log",
     conda:

@@ -5,6 +5,11 @@ WEIGHTING = weighting.plan(RUN)
 FACTOR_FIGURES = drawn(RUN, WEIGHTING)
 
 
+localrules:
+    weighting_table,
+    texture,
+
+
 use rule fit as weighting_fit with:
     output:
         fit=f"{WEIGHTING.folder}/fits/{{variant}}/{{material}}.npz",
@@ -82,6 +87,7 @@ for FIGURE, DRAWN in FACTOR_FIGURES.items():
             "../envs/npfm.yaml"
         resources:
             mem_mb=1000,
+            runtime=5,
         params:
             code=digest((f"npfm.figures.{FIGURE}",), ("npfm.commands.figure",)),
             arguments=f"{FIGURE} {DRAWN.arguments}",

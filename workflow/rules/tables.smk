@@ -20,7 +20,12 @@ rule psnr_table:
     input:
         RENDERS,
     output:
-        f"{OUT}/tables/psnr.csv",
+        report(
+            f"{OUT}/tables/psnr.csv",
+            caption="../report/psnr.rst",
+            category="Tables",
+            labels={"table": "PSNR of all renderings"},
+        ),
     log:
         f"{OUT}/logs/tables/psnr.log",
     conda:
@@ -38,7 +43,12 @@ rule fits_table:
     input:
         expand(rules.fit.output.record, material=RUN.materials, variant=RUN.variants),
     output:
-        f"{OUT}/tables/fits.csv",
+        report(
+            f"{OUT}/tables/fits.csv",
+            caption="../report/fits.rst",
+            category="Tables",
+            labels={"table": "fits of all channels"},
+        ),
     log:
         f"{OUT}/logs/tables/fits.log",
     conda:
@@ -56,7 +66,12 @@ rule materials_table:
     input:
         expand(rules.fit.output.fit, material=RUN.materials, variant="naive"),
     output:
-        f"{OUT}/tables/materials.csv",
+        report(
+            f"{OUT}/tables/materials.csv",
+            caption="../report/materials.rst",
+            category="Tables",
+            labels={"table": "diffuseness"},
+        ),
     log:
         f"{OUT}/logs/tables/materials.log",
     conda:
@@ -75,7 +90,12 @@ rule summary_table:
         psnr=rules.psnr_table.output,
         records=rules.fits_table.input,
     output:
-        f"{OUT}/tables/summary.csv",
+        report(
+            f"{OUT}/tables/summary.csv",
+            caption="../report/summary.rst",
+            category="Tables",
+            labels={"table": "mean PSNR and size"},
+        ),
     log:
         f"{OUT}/logs/tables/summary.log",
     conda:
