@@ -75,9 +75,9 @@ class Project:
         assert old in path.read_text()
         path.write_text(path.read_text().replace(old, new))
 
-    def planned(self) -> set[str]:
-        """Files that a run would make now, below results/tiny."""
-        run = self.snakemake("--dry-run")
+    def planned(self, *targets: str) -> set[str]:
+        """Files that a run would make now, below results/tiny, for some targets or for all."""
+        run = self.snakemake("--dry-run", *targets)
         assert run.returncode == 0, run.stdout + run.stderr
         outputs = re.findall(r"^ +output: (.*)$", run.stdout + run.stderr, re.MULTILINE)
         return {name.removeprefix("results/tiny/") for line in outputs for name in line.split(", ")}
