@@ -37,6 +37,7 @@ include: "workflow/rules/tables.smk"
 include: "workflow/rules/paper_figures_pictures.smk"
 include: "workflow/rules/paper_figures_factors.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/reproduction.smk"
 include: "workflow/rules/accuracy_cost.smk"
 
 

@@ -23,6 +23,7 @@ VERBS = {
     "compare": "PSNR of pictures against a reference",
     "tables": "gather fits and pictures into the tables of a run",
     "figure": "draw a figure from the tables of a run",
+    "reproduction": "put the paper's claims to the tables of a run, as a page of Markdown",
     "accuracy-cost": "tables of what accuracy costs in time",
 }
 
@@ -50,6 +51,8 @@ def _command(verb: str) -> ModuleType:
             from npfm.commands import tables as module
         case "figure":
             from npfm.commands import figure as module
+        case "reproduction":
+            from npfm.commands import reproduction as module
         case "accuracy-cost":
             from npfm.commands import accuracy_cost as module
     return module

@@ -29,7 +29,9 @@ def write(path: str | Path, table: pd.DataFrame) -> None:
         table.to_csv(temporary, index=False, float_format=FLOAT_FORMAT, lineterminator="\n")
 
 
-def read(path: str | Path, text: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
+def read(
+    path: str | Path, text: Sequence[str], numbers: Sequence[str], *, may_be_empty: bool = False
+) -> pd.DataFrame:
     """Read columns of a table that `write` has written.
 
     Parameters
@@ -38,6 +40,8 @@ def read(path: str | Path, text: Sequence[str], numbers: Sequence[str]) -> pd.Da
         CSV file.
     text, numbers : sequence of str
         Columns to be read as text and as numbers.
+    may_be_empty : bool
+        Whether a table without rows will do.
 
     Raises
     ------
@@ -54,7 +58,7 @@ def read(path: str | Path, text: Sequence[str], numbers: Sequence[str]) -> pd.Da
     except (OSError, ValueError) as error:
         why = " ".join(str(error).split())
         raise NpfmError(f"{path}: cannot be read as a table ({why}); make it again") from error
-    if table.empty:
+    if table.empty and not may_be_empty:
         raise NpfmError(f"{path}: a table without rows; make it again")
     return table
 
@@ -68,6 +72,12 @@ def read_psnr(path: str | Path) -> pd.DataFrame:
         picture = " ".join(twice[names].iloc[0])
         raise NpfmError(f"{path}: '{picture}' is there twice; list every name once")
     return table
+
+
+def read_published(path: str | Path) -> pd.DataFrame:
+    """Read the table of `npfm.published_distance`; errors are those of `read`."""
+    text, numbers = ["material", "channel"], ["published", "ours", "log_ratio", "log_error"]
+    return read(path, text, numbers, may_be_empty=True)
 
 
 def psnr(

@@ -2,6 +2,8 @@
 
 import argparse
 
+import pandas as pd
+
 from npfm import tables
 
 #: What each table holds, and what it is made from.
@@ -22,6 +24,10 @@ KINDS = {
         "mean and median PSNR in dB and size in bytes of every variant, beside the paper's",
         ("run", "psnr"),
     ),
+    "published": (
+        "objective and distance of the factors that the paper's authors published, and of our fits",
+        ("run", "materials", "factors"),
+    ),
     "table1": ("seconds and counts of our fits, beside the paper's Table I", ("fits",)),
 }
 #: How each of those is declared, and a value for the example.
@@ -32,6 +38,7 @@ SOURCES = {
     "variants": ({"nargs": "+", "help": "the variants that count, in order"}, "naive bivariate"),
     "psnr": ({"help": "CSV made by npfm tables psnr; what it lists counts"}, "psnr.csv"),
     "fits": ({"help": "CSV made by npfm tables fits"}, "fits.csv"),
+    "factors": ({"help": "published factors (.npz); docs/data.md"}, "npf_reference.npz"),
 }
 
 
@@ -66,10 +73,31 @@ def run(arguments: argparse.Namespace) -> None:
             psnr = tables.read_psnr(a.psnr)
             sizes = tables.sizes(a.run, psnr["material"].unique(), psnr["variant"].unique())
             table = tables.summary(psnr, sizes)
+        case "published":
+            table = _published(a)
         case "table1":
             text, numbers = ["material", "variant"], ["seconds", "iterations", "gss_calls"]
             table = tables.table1(tables.read(a.fits, text, numbers))
     tables.write(a.output, table)
+
+
+def _published(a: argparse.Namespace) -> pd.DataFrame:
+    """Compare the published factors of the materials that have some."""
+    from npfm import published_distance, published_factors
+    from npfm.commands.sources import table
+
+    published = published_factors.read(a.factors)
+    found = [
+        published_distance.distance(
+            name,
+            table(f"{a.run}/materials/{name}.binary"),
+            published[name],
+            table(f"{a.run}/fits/independent-g/{name}.npz"),
+        )
+        for name in a.materials
+        if name in published
+    ]
+    return pd.concat(found) if found else pd.DataFrame(columns=published_distance.COLUMNS)
 
 
 def _example(kind: str) -> str:

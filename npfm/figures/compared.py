@@ -15,6 +15,16 @@ OTHERS = {
     "figure14": LOEW,
 }
 
+#: What each is, in a list of figures.
+LABELS = {
+    "figure09": "9: the non-parametric fits, with close-ups",
+    "figure10": "10: the worst fits",
+    "figure11": "11: against the bivariate model",
+    "figure12": "12: against Loew's model",
+    "figure13": "13: against Bilgili's factorisation",
+    "figure14": "14: where the renderings are wrong",
+}
+
 
 def compared(variants: Iterable[str]) -> dict[str, list[str]]:
     """Variants that each figure compares, ours first; figures with nothing to compare left out.

@@ -43,14 +43,14 @@ def draw(run: str | Path, psnr: pd.DataFrame, variants: Sequence[str]) -> Figure
         If a picture is missing, or there is none to compare.
     """
     table, remark = renderings.common(psnr, variants)
-    rows = worst(run, list(map(renderings.Row, *zip(*table.index, strict=True))), variants[0])
+    rows = worst(run, [Row(*row) for row in table.index], variants[0])[:MATERIALS]
     with style.context():
         figure, _ = renderings.draw(run, psnr, rows, variants, remark)
     return figure
 
 
 def worst(run: str | Path, rows: Sequence[Row], variant: str) -> list[Row]:
-    """Return the materials that are wrong most visibly, each in its worst scene, worst first.
+    """Return a row for each material, in its worst scene; those most visibly wrong first.
 
     "Visual error" is that of `renderings.window`: the paper does not say how it was judged.
 
@@ -67,4 +67,4 @@ def worst(run: str | Path, rows: Sequence[Row], variant: str) -> list[Row]:
     worst_of: dict[str, Row] = {}
     for row in sorted(rows, key=error.get, reverse=True):
         worst_of.setdefault(row.material, row)
-    return list(worst_of.values())[:MATERIALS]
+    return list(worst_of.values())

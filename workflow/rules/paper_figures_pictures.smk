@@ -1,35 +1,38 @@
-from npfm.figures.compared import compared
+from npfm.figures.compared import LABELS, compared
 
 COMPARED = compared(RUN.variants)
 
 
-rule figure_of_pictures:
-    # The table stands for the pictures: it is made from all of them.
-    input:
-        rules.psnr_table.output,
-    output:
-        pdf=f"{OUT}/figures/{{figure}}.pdf",
-        png=f"{OUT}/figures/{{figure}}.png",
-    log:
-        f"{OUT}/logs/figures/{{figure}}.log",
-    wildcard_constraints:
-        figure="|".join(COMPARED) or "none",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
-    params:
-        code=lambda wildcards: digest(
-            (f"npfm.figures.{wildcards.figure}",), ("npfm.commands.figure",)
-        ),
-        names=lambda wildcards: (
-            f"--run {OUT} --variants {' '.join(COMPARED[wildcards.figure])}"
-        ),
-    shell:
-        "python -m npfm figure {wildcards.figure} {params.names} --psnr {input}"
-        " -o {output} 2> {log}"
+# One rule a figure, for a caption of its own in the report.
+for FIGURE, NAMES in COMPARED.items():
+
+    rule:
+        name:
+            FIGURE
+        # The table stands for the pictures: it is made from all of them.
+        input:
+            rules.psnr_table.output,
+        output:
+            pdf=f"{OUT}/figures/{FIGURE}.pdf",
+            png=report(
+                f"{OUT}/figures/{FIGURE}.png",
+                caption=f"../report/{FIGURE}.rst",
+                category="Figures of the paper",
+                labels={"figure": LABELS[FIGURE]},
+            ),
+        log:
+            f"{OUT}/logs/figures/{FIGURE}.log",
+        conda:
+            "../envs/npfm.yaml"
+        resources:
+            mem_mb=500,
+        params:
+            code=digest((f"npfm.figures.{FIGURE}",), ("npfm.commands.figure",)),
+            arguments=f"{FIGURE} --run {OUT} --variants {' '.join(NAMES)}",
+        shell:
+            "python -m npfm figure {params.arguments} --psnr {input} -o {output} 2> {log}"
 
 
 rule figures_of_pictures:
     input:
-        expand(rules.figure_of_pictures.output, figure=COMPARED),
+        expand(f"{OUT}/figures/{{figure}}.{{end}}", figure=COMPARED, end=["pdf", "png"]),
