@@ -15,6 +15,7 @@ from npfm.datasets import directory, neural, synthetic
 from npfm.datasets.names import MERL_NAMES, select
 from npfm.errors import NpfmError, suggest
 from npfm.provenance import digest
+from npfm.variants import Model
 
 SCHEMA = Path(__file__).parents[1] / "workflow" / "schemas" / "config.schema.yaml"
 
@@ -98,8 +99,9 @@ class Run:
     def fit_code(self, variant: str) -> str:
         """Digest of the code that fits a variant: its model, and its solver if it uses one."""
         chosen = self.variants[variant]
-        entries = [_module(chosen.model), "npfm.fits", "npfm.merl"]
-        if chosen.model not in variants.CLOSED_FORM:
+        model = variants.declared(chosen.model)
+        entries = [model.module, "npfm.fits", "npfm.merl"]
+        if model.solver:
             entries.append(f"npfm.solvers.{chosen.solver.replace('-', '_')}")
         return digest(tuple(entries), ("npfm.commands.fit",))
 
@@ -107,7 +109,7 @@ class Run:
         """Digest of the code that renders a variant, or the measurement."""
         entries = ["npfm.transport", "npfm.pictures", "npfm.fits"]
         if variant in self.variants:
-            entries.append(_module(self.variants[variant].model))
+            entries.append(variants.declared(self.variants[variant].model).module)
         return digest(tuple(entries), ("npfm.commands.render", "npfm.commands.sources"))
 
     def light_code(self, name: str) -> str:
@@ -156,10 +158,6 @@ class Run:
 def prefer_this_python() -> None:
     """Let jobs find the Python that runs the workflow first, its environment active or not."""
     os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-
-
-def _module(model: str) -> str:
-    return f"npfm.models.{model.replace('-', '_')}"
 
 
 def check(config: Mapping[str, Any]) -> Run:
@@ -222,15 +220,14 @@ def _variants(config: Mapping[str, Any]) -> dict[str, Variant]:
     named: dict[str, Variant] = {}
     for entry in config["variants"]:
         entry = {"name": entry, "model": entry} if isinstance(entry, str) else entry
-        if entry["model"] not in variants.MODELS:
-            hint = suggest(entry["model"], variants.MODELS)
-            raise NpfmError(f"config: variants: unknown variant '{entry['model']}'; {hint}")
+        try:
+            model = variants.declared(entry["model"])
+        except NpfmError as error:
+            raise NpfmError(f"config: variants: {error}") from error
         if entry["name"] in named or entry["name"] == "measured":
             raise NpfmError(
                 f"config: variants: the name '{entry['name']}' is taken; give this one another"
             )
-        if "rank" in entry and variants.SETTINGS.get(entry["model"]) != "rank":
-            raise NpfmError(f"config: variants/{entry['name']}: '{entry['model']}' has no rank")
         objective = config["objective"] | entry.get("objective", {})
         solver = config["solver"] | entry.get("solver", {})
         if solver["method"] not in variants.SOLVERS:
@@ -239,7 +236,7 @@ def _variants(config: Mapping[str, Any]) -> dict[str, Variant]:
         options = (
             f"--variant {entry['model']} --solver {solver['method']}"
             f" --tolerance {solver['tolerance']} --max-iterations {solver['max_iterations']}"
-            + _own_setting(entry["model"], solver | entry)
+            + _own_settings(entry, solver, model)
             + f" --max-angle {objective['max_angle']}"
             + ("" if objective["compressive"] else " --no-compressive")
             + f" --seed {config['seed']}"
@@ -248,10 +245,17 @@ def _variants(config: Mapping[str, Any]) -> dict[str, Variant]:
     return named
 
 
-def _own_setting(model: str, settings: Mapping[str, Any]) -> str:
-    """Argument of ``npfm fit`` for what the model alone can be told, if it is."""
-    name = variants.SETTINGS.get(model)
-    return f" --{name} {settings[name]}" if name in settings else ""
+def _own_settings(entry: Mapping[str, Any], solver: Mapping[str, Any], model: Model) -> str:
+    """Arguments of ``npfm fit`` for what the model alone can be told."""
+    known = ["name", "model", "objective", "solver", *model.settings]
+    if unknown := [key for key in entry if key not in known]:
+        hint = suggest(unknown[0], known)
+        raise NpfmError(f"config: variants/{entry['name']}: unknown key '{unknown[0]}'; {hint}")
+    given = {key: {**solver, **entry}.get(key) for key in model.settings}
+    for key, value in given.items():
+        if not isinstance(value, int | None):
+            raise NpfmError(f"config: variants/{entry['name']}/{key}: give a whole number")
+    return "".join(f" --{key} {value}" for key, value in given.items() if value is not None)
 
 
 def _available(config: Mapping[str, Any]) -> list[str]:

@@ -12,8 +12,8 @@ from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).parent
-#: Libraries whose versions can change results.
-LIBRARIES = ("numpy", "scipy")
+#: Libraries whose versions can change results: of all code, and of that which imports them.
+LIBRARIES, WHERE_IMPORTED = ("numpy", "scipy"), ("numba",)
 
 
 @cache
@@ -31,21 +31,34 @@ def digest(entries: tuple[str, ...], alone: tuple[str, ...] = ()) -> str:
     -------
     str
         Hexadecimal. Docstrings, comments and layout do not matter to it; the versions of numpy
-        and scipy do.
+        and scipy do, and that of numba where it is imported.
     """
     modules = sorted(closure(entries) | set(alone))
-    parts = [f"{name} {importlib.metadata.version(name)}" for name in LIBRARIES]
+    imported = {name.split(".")[0] for module in modules for name in _named(module)}
+    libraries = [*LIBRARIES, *(name for name in WHERE_IMPORTED if name in imported)]
+    parts = [f"{name} {importlib.metadata.version(name)}" for name in libraries]
     parts += [f"{module} {_syntax(module)}" for module in modules]
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
 
 
 def closure(entries: Iterable[str]) -> set[str]:
-    """Modules of `npfm` that some modules import, themselves and packages on the way included."""
+    """Modules of `npfm` that some modules import, themselves and packages on the way included.
+
+    Raises
+    ------
+    ValueError
+        If one of them imports modules by a name that is only known when it runs.
+    """
     found: set[str] = set()
     waiting = list(entries)
     while waiting:
         module = waiting.pop()
         if module not in found:
+            if _imports_by_name(module):
+                raise ValueError(
+                    f"{module} imports by name, which no digest can follow: "
+                    "give it alone, and what it imports as entries"
+                )
             found.add(module)
             waiting += [*_imports(module), *_parents(module)]
     return found
@@ -67,16 +80,25 @@ def _tree(module: str) -> ast.Module:
     return ast.parse(_file(module).read_text())
 
 
+def _imports_by_name(module: str) -> bool:
+    names = {"import_module", "__import__"}
+    nodes = ast.walk(_tree(module))
+    return any({getattr(node, "id", None), getattr(node, "attr", None)} & names for node in nodes)
+
+
 def _imports(module: str) -> Iterator[str]:
+    names = _named(module)
+    yield from (name for name in names if name.split(".")[0] == "npfm" and _file(name))
+
+
+def _named(module: str) -> Iterator[str]:
+    """Names in the import statements of a module, whether of modules or of what is in them."""
     for node in ast.walk(_tree(module)):
         if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
+            yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             source = _absolute(module, node)
-            names = [source, *(f"{source}.{alias.name}" for alias in node.names)]
-        else:
-            continue
-        yield from (name for name in names if name.split(".")[0] == "npfm" and _file(name))
+            yield from (source, *(f"{source}.{alias.name}" for alias in node.names))
 
 
 def _absolute(module: str, node: ast.ImportFrom) -> str:

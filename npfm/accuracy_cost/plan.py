@@ -154,7 +154,7 @@ def _stages(config: Mapping[str, Any]) -> dict[str, dict[str, dict]]:
 def _by_solver(entry: dict, awls_iterations: int) -> dict[str, dict]:
     """A variant by each solver, but for one that names its own or needs none."""
     solver = entry.get("solver", {})
-    if entry["model"] in variants.CLOSED_FORM:
+    if not variants.declared(entry["model"]).solver:
         return {entry["name"]: entry}
     if "method" in solver:
         return {f"{entry['name']}/{solver['method']}": entry}

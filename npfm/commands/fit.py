@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     objective, solver = Objective(), Solver()
     parser.epilog = EXAMPLE
     parser.add_argument("table", help="MERL .binary file to fit")
-    parser.add_argument("--variant", required=True, help=f"model: {', '.join(variants.MODELS)}")
+    parser.add_argument("--variant", required=True, help=f"model: {', '.join(variants.models())}")
     parser.add_argument("-o", "--output", required=True, help="fit to write (.npz)")
     parser.add_argument(
         "--solver",
@@ -45,12 +45,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=solver.max_iterations,
         help="cap on the iterations of one run (default: %(default)s)",
     )
-    parser.add_argument(
-        "--starts", type=int, metavar="N", help="the first N of the eight starts of independent-g"
-    )
-    parser.add_argument(
-        "--rank", type=int, metavar="R", help="products in the B of low-rank-b (default: 4)"
-    )
+    for setting, meaning in _own_settings().items():
+        parser.add_argument(f"--{setting}", type=int, metavar="N", help=meaning)
     parser.add_argument(
         "--max-angle",
         type=float,
@@ -66,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Fit, and write the fit and its record."""
     model = variants.model(arguments.variant)
-    own = _own_settings(arguments)
+    own = _given(arguments)
     settings = Solver(arguments.solver, arguments.tolerance, arguments.max_iterations)
     objective = Objective(not arguments.no_compressive, arguments.max_angle)
     solve = variants.solver(settings)
@@ -79,11 +75,21 @@ def run(arguments: argparse.Namespace) -> None:
     fits.save(arguments.output, replace(fit, model=arguments.variant))
 
 
-def _own_settings(arguments: argparse.Namespace) -> dict[str, int]:
+def _own_settings() -> dict[str, str]:
+    """Settings that only some models have, and what they mean to each."""
+    meanings: dict[str, list[str]] = {}
+    for name, model in variants.models().items():
+        for setting, meaning in model.settings.items():
+            meanings.setdefault(setting, []).append(f"of {name}: {meaning}")
+    return {setting: "; ".join(said) for setting, said in meanings.items()}
+
+
+def _given(arguments: argparse.Namespace) -> dict[str, int]:
     """Return the settings that were given and only some models have."""
-    given = {name: getattr(arguments, name) for name in variants.SETTINGS.values()}
+    given = {name: getattr(arguments, name) for name in _own_settings()}
     given = {name: value for name, value in given.items() if value is not None}
-    if wrong := [name for name in given if name != variants.SETTINGS.get(arguments.variant)]:
+    declared = variants.declared(arguments.variant).settings
+    if wrong := [name for name in given if name not in declared]:
         raise NpfmError(f"--{wrong[0]} is not a setting of '{arguments.variant}'; leave it out")
     return given
 

@@ -17,6 +17,8 @@ from npfm.objective import Objective, Samples, evaluate
 from npfm.solvers.problem import Solve
 
 NAME = "bivariate"
+COEFFICIENTS = ("B",)
+SOLVER = False
 
 
 def parameter_count(grid: Grid) -> int:
@@ -27,7 +29,7 @@ def parameter_count(grid: Grid) -> int:
 def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
     """Fit the bivariate model; `solve` and `seed` are not needed, the minimum is closed form."""
     parameters, records = fit_channels(
-        table, objective, lambda samples, channel: _fit_channel(samples), coefficients=("B",)
+        table, objective, lambda samples, channel: _fit_channel(samples), COEFFICIENTS
     )
     return Fit(NAME, parameters, table.grid, records)
 

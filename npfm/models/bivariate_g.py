@@ -33,6 +33,7 @@ from npfm.objective import Objective, Samples
 from npfm.solvers.problem import Solve
 
 NAME = "bivariate-g"
+COEFFICIENTS = ("B", "rho_d")
 CLAMP = 1e-6  # smallest component of G, as in independent-g; B may be 0
 #: Width of the Gaussian that smooths G in the first stage of AWLS, in nodes.
 SMOOTHING = 1.0
@@ -201,7 +202,7 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
         parameters = {"B": state.B, "G": state.G, "rho_d": state.rho_d}
         return ChannelFit(parameters, tuple(traces))
 
-    parameters, records = fit_channels(table, objective, fit_channel, coefficients=("B", "rho_d"))
+    parameters, records = fit_channels(table, objective, fit_channel, COEFFICIENTS)
     return Fit(NAME, parameters, table.grid, records)
 
 

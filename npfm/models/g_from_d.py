@@ -18,6 +18,7 @@ from npfm.objective import Objective, Samples
 from npfm.solvers.problem import Solve
 
 NAME = "g-from-d"
+COEFFICIENTS = ("rho_d", "rho_s")
 CLAMP = 0.0  # "we simply clamp negative factor components to 0" (section 4.3)
 #: Updates of F and the coefficients for one of D, which alone needs a pass over the samples.
 INNER_SWEEPS = 5
@@ -123,9 +124,7 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
         parameters = {"D": f.D, "F": f.F, "rho_d": f.rho_d, "rho_s": f.rho_s}
         return ChannelFit(parameters, tuple(traces))
 
-    parameters, records = fit_channels(
-        table, objective, fit_channel, coefficients=("rho_d", "rho_s")
-    )
+    parameters, records = fit_channels(table, objective, fit_channel, COEFFICIENTS)
     return Fit(NAME, parameters, table.grid, records)
 
 

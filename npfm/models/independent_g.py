@@ -21,6 +21,8 @@ from npfm.objective import Objective, Samples
 from npfm.solvers.problem import Solve
 
 NAME = "independent-g"
+COEFFICIENTS = ("rho_d", "rho_s")
+SETTINGS = {"starts": "the first so many of the eight starts (default: 8)"}
 CLAMP = 1e-6  # smallest component of a factor (section 4.3, "Dynamic range clamping")
 STARTS, RANDOM_STARTS = 8, 4  # section 5
 #: Width of the Gaussian that smooths G, in nodes (the paper gives none).
@@ -153,9 +155,7 @@ def fit(
         parameters = {"D": f.D, "F": f.F, "G": f.third, "rho_d": f.rho_d, "rho_s": f.rho_s}
         return ChannelFit(parameters, tuple(traces))
 
-    parameters, records = fit_channels(
-        table, objective, fit_channel, coefficients=("rho_d", "rho_s")
-    )
+    parameters, records = fit_channels(table, objective, fit_channel, COEFFICIENTS)
     return Fit(NAME, parameters, table.grid, records)
 
 

@@ -27,6 +27,9 @@ from npfm.objective import Objective, Samples
 from npfm.solvers.problem import Solve
 
 NAME = "low-rank-b"
+COEFFICIENTS = ("U", "rho_d")
+SIGNED = ("U", "V")  # their products alone mean something
+SETTINGS = {"rank": "products in B (default: 4)"}
 RANK = 4  # products in B
 RANDOM_STARTS = 2
 #: A run has converged when a sweep lowers the objective by less than this share.
@@ -219,7 +222,7 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int, *, rank: in
             compressor.parameters(runs[0][0]), tuple(_after(trace, status) for _, trace in runs)
         )
 
-    parameters, records = fit_channels(table, objective, fit_channel, coefficients=("U", "rho_d"))
+    parameters, records = fit_channels(table, objective, fit_channel, COEFFICIENTS)
     return Fit(NAME, parameters, table.grid, records)
 
 

@@ -19,6 +19,8 @@ from npfm.objective import Objective, Samples
 from npfm.solvers.problem import Solve
 
 NAME = "naive"
+COEFFICIENTS = ("rho_d", "rho_s")
+RECIPROCAL = False
 CLAMP = 1e-6  # smallest component of a factor (section 4.3, "Dynamic range clamping")
 
 
@@ -138,9 +140,7 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
         parameters = {"D": f.D, "F": f.F, "H": f.third, "rho_d": f.rho_d, "rho_s": f.rho_s}
         return ChannelFit(parameters, tuple(traces))
 
-    parameters, records = fit_channels(
-        table, objective, fit_channel, coefficients=("rho_d", "rho_s"), reciprocal=False
-    )
+    parameters, records = fit_channels(table, objective, fit_channel, COEFFICIENTS, RECIPROCAL)
     return Fit(NAME, parameters, table.grid, records)
 
 
