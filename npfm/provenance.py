@@ -13,7 +13,7 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).parent
 #: Libraries whose versions can change results: of all code, and of that which imports them.
-LIBRARIES, WHERE_IMPORTED = ("numpy", "scipy"), ("numba",)
+LIBRARIES, WHERE_IMPORTED = ("numpy", "scipy"), ("numba", "tensorly")
 
 
 @cache
@@ -31,7 +31,7 @@ def digest(entries: tuple[str, ...], alone: tuple[str, ...] = ()) -> str:
     -------
     str
         Hexadecimal. Docstrings, comments and layout do not matter to it; the versions of numpy
-        and scipy do, and that of numba where it is imported.
+        and scipy do, and those of numba and tensorly where they are imported.
     """
     modules = sorted(closure(entries) | set(alone))
     imported = {name.split(".")[0] for module in modules for name in _named(module)}

@@ -79,6 +79,21 @@ def test_a_library_version_changes_the_digest(monkeypatch):
     assert before != after
 
 
+@pytest.mark.parametrize(("module", "counts"), [("tucker", True), ("bivariate", False)])
+def test_the_version_of_tensorly_counts_where_it_is_imported(monkeypatch, module, counts):
+    entries = (f"npfm.models.{module}",)
+    before, version = provenance.digest(entries), provenance.importlib.metadata.version
+    monkeypatch.setattr(
+        provenance.importlib.metadata,
+        "version",
+        lambda name: "0.0" if name == "tensorly" else version(name),
+    )
+    provenance.digest.cache_clear()
+    after = provenance.digest(entries)
+    provenance.digest.cache_clear()
+    assert (before != after) == counts
+
+
 def names(file):
     for node in ast.walk(ast.parse(file.read_text())):
         yield getattr(node, "id", None) or getattr(node, "attr", None)
