@@ -18,6 +18,9 @@ try:
 except NpfmError as error:
     sys.exit(f"npfm: {error}")
 
+for warning in RUN.warnings:
+    print(f"npfm: warning: {warning}", file=sys.stderr)
+
 OUT = RUN.folder
 prefer_this_python()
 
@@ -39,6 +42,7 @@ include: "workflow/rules/paper_figures_factors.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/reproduction.smk"
 include: "workflow/rules/accuracy_cost.smk"
+include: "workflow/rules/effects.smk"
 
 
 rule all:

@@ -1,7 +1,8 @@
 """Building a transport matrix: camera rays, light directions, and the cells they fall into."""
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -50,6 +51,7 @@ class Setup:
     grid: Grid
     offsets: NDArray[np.float64]
     shifts: NDArray[np.float64]
+    counts: Counter[str]
 
 
 def build(
@@ -60,6 +62,7 @@ def build(
     samples: int,
     seed: int,
     sampling: Sequence[str] = STRATEGIES,
+    counts: Counter[str] | None = None,
 ) -> Transport:
     """Build the transport matrix of a scene in a light.
 
@@ -79,6 +82,9 @@ def build(
         Of the rotations that make the errors of pixels independent.
     sampling : sequence of str
         Which of `STRATEGIES`; several are combined by the balance heuristic.
+    counts : Counter, optional
+        What is added to: its `rays` by the number of shadow rays, that is, of pairs of a surface
+        point and a light direction that are asked about, whatever the number of objects.
 
     Raises
     ------
@@ -88,6 +94,8 @@ def build(
     """
     known = {"light": LightSampling(environment), "half-vector": HalfVectorSampling(grid)}
     setup = _prepare(scene, environment, grid, resolution, seed, [known[s] for s in sampling])
+    if counts is not None:
+        setup = replace(setup, counts=counts)
     least = len(setup.offsets) * len(setup.strategies)
     if samples < least:
         raise NpfmError(f"{samples} samples a pixel are too few for this scene; use {least}")
@@ -121,7 +129,7 @@ def _prepare(
     seed: int,
     strategies: Sequence[Strategy],
 ) -> Setup:
-    effects = [EFFECTS[name] for name in scene.effects]
+    effects = [EFFECTS[name] for name in scene.simulated]
     offsets = np.array([[0.5, 0.5]])
     for film in (effect.film for effect in effects if effect.film):
         offsets = film(offsets)
@@ -133,6 +141,7 @@ def _prepare(
         grid=grid,
         offsets=offsets,
         shifts=np.random.default_rng(seed).random((len(strategies), resolution**2, 1, 2)),
+        counts=Counter(),
     )
 
 
@@ -188,6 +197,7 @@ def _gather(surface: Surface, count: int, setup: Setup) -> tuple[NDArray, NDArra
     for reaches in setup.obstacles:
         ends = surface.position[at], surface.geometric[at], light[at, sample]
         free = reaches(setup.objects, *ends)
+        setup.counts["rays"] += len(at)
         at, sample = at[free], sample[free]
     cos_i, cos_io, volume = cosines[at, sample].T
     cos_o = np.einsum("ij,ij->i", surface.normal, surface.view)[at]

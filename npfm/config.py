@@ -15,6 +15,7 @@ from npfm.datasets import directory, neural, synthetic
 from npfm.datasets.names import MERL_NAMES, select
 from npfm.errors import NpfmError, suggest
 from npfm.provenance import digest
+from npfm.scenes import Scene
 from npfm.variants import Model
 
 SCHEMA = Path(__file__).parents[1] / "workflow" / "schemas" / "config.schema.yaml"
@@ -63,6 +64,15 @@ class Run:
         """Orders of Figure 8 that the variants allow: each is that of one variant."""
         orders = {"naive": "diffuseness", "independent-g": "error"}
         return [order for variant, order in orders.items() if variant in self.variants]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is asked for and not done, one line each."""
+        return [
+            f"config: scenes/{name}: {warning}"
+            for name, described in self.config["scenes"].items()
+            for warning in _scene(described).warnings
+        ]
 
     def user_file(self, path: str) -> str:
         """Return a path of the user's, relative ones starting from the key `data`."""
@@ -145,7 +155,7 @@ class Run:
     def scene_options(self, scene: str) -> str:
         """Arguments of ``npfm scene`` for a scene."""
         described = self.config["scenes"][scene]
-        effects = " ".join(described["effects"])
+        effects = " ".join(_scene(described).simulated)
         return (
             f"--objects {' '.join(described['objects'])}"
             + (f" --effects {effects}" if effects else "")
@@ -207,11 +217,13 @@ def _check_schema(config: Mapping[str, Any]) -> None:
     raise NpfmError(f"config: {where}: {error.message}; see docs/configuration.md")
 
 
-def _check_scene(name: str, described: Mapping[str, Any]) -> None:
-    from npfm.scenes import Scene
+def _scene(described: Mapping[str, Any]) -> Scene:
+    return Scene(tuple(described["objects"]), tuple(described["effects"]))
 
+
+def _check_scene(name: str, described: Mapping[str, Any]) -> None:
     try:
-        Scene(tuple(described["objects"]), tuple(described["effects"]))
+        _scene(described)
     except NpfmError as error:
         raise NpfmError(f"config: scenes/{name}: {error}") from error
 

@@ -90,7 +90,20 @@ def read_radiance(
     NpfmError
         If the file is absent, of another format, damaged, or has no red, green and blue.
     """
-    path = Path(path)
+    return _pixels(_opened(Path(path), formats), Path(path), 0)
+
+
+def read_exr_parts(path: str | Path) -> dict[str, NDArray[np.float32]]:
+    """Read the pictures that `write_exr_parts` wrote, by name; errors as in `read_radiance`."""
+    path, parts = Path(path), {}
+    file = _opened(path, ("openexr",))
+    while file.seek_subimage(len(parts), 0):
+        name = file.spec().getattribute("name")
+        parts[name] = _pixels(file, path, len(parts))
+    return parts
+
+
+def _opened(path: Path, formats: tuple[str, ...]) -> oiio.ImageInput:
     wanted = " or ".join(FORMAT_NAMES[name] for name in formats)
     if not path.is_file():
         raise NpfmError(f"{path}: no such file; give the path of an {wanted} picture")
@@ -98,10 +111,15 @@ def read_radiance(
     if file is None or file.format_name() not in formats:
         oiio.geterror()  # An error that nobody fetches is printed at exit.
         raise NpfmError(f"{path}: not an {wanted} file, or cut off; give a picture in that format")
+    return file
+
+
+def _pixels(file: oiio.ImageInput, path: Path, part: int) -> NDArray[np.float32]:
+    """Pixels of a part of an open file."""
     names = file.spec().channelnames
     if names[:3] != ("R", "G", "B"):
         raise NpfmError(f"{path}: channels {', '.join(names)}; red, green and blue are needed")
-    pixels = file.read_image(0, 0, 0, 4 if names[3:4] == ("A",) else 3, oiio.FLOAT)
+    pixels = file.read_image(part, 0, 0, 4 if names[3:4] == ("A",) else 3, oiio.FLOAT)
     if pixels is None or file.geterror():
         raise NpfmError(f"{path}: cut off or damaged; copy or make the file again")
     return pixels

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from npfm.camera import Camera
-from npfm.effects import check_effects
+from npfm.effects import EFFECTS, check_effects
 from npfm.errors import NpfmError, suggest
 from npfm.geometry import Shape, Sphere
 
@@ -29,7 +29,8 @@ class Scene:
         Of `OBJECTS`: the sphere alone fills the picture; beside the figure it is smaller and
         stands to the right of it.
     effects : tuple of str
-        Names of `npfm.effects.EFFECTS`; no others are simulated or paid for.
+        Names of `npfm.effects.EFFECTS`; no others are simulated or paid for, nor those that
+        `pointless` lists.
     mesh : Path or None
         The mesh of the figure; None stands for the project's own.
 
@@ -50,6 +51,28 @@ class Scene:
         if not self.objects or len(set(self.objects)) < len(self.objects):
             raise NpfmError(f"a scene needs one or both of {' and '.join(OBJECTS)}, each once")
         check_effects(self.effects)
+
+    @property
+    def pointless(self) -> tuple[str, ...]:
+        """Effects that it lists and that cannot change the picture.
+
+        A sphere is convex: where light comes from above the horizon of a point, the sphere itself
+        is not in the way.
+        """
+        if self.objects != ("sphere",):
+            return ()
+        return tuple(name for name in self.effects if EFFECTS[name].reaches)
+
+    @property
+    def simulated(self) -> tuple[str, ...]:
+        """Effects that it lists and that can change the picture."""
+        return tuple(name for name in self.effects if name not in self.pointless)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """One line about each effect that is refused."""
+        why = "changes nothing on a lone sphere and is left out; take it off the list"
+        return tuple(f"effect '{name}' {why}" for name in self.pointless)
 
 
 def place(scene: Scene) -> tuple[Shape, ...]:

@@ -2,7 +2,9 @@
 
 import argparse
 import json
+import sys
 import time
+from collections import Counter
 from pathlib import Path
 
 from npfm import assembly, effects, scenes, transport
@@ -41,14 +43,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="how light directions are chosen (default: both, combined)",
     )
     parser.add_argument("--seed", type=int, default=1, help="seed of the sampling (default: 1)")
-    parser.add_argument("--record", help="JSON to write: the sampling, and the seconds it took")
+    parser.add_argument(
+        "--record",
+        help="JSON to write: what was built, and its cost in seconds, rays, non-zeros and bytes",
+    )
     parser.add_argument("-o", "--output", required=True, help="folder to write")
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Build the transport matrix."""
     scene = scenes.Scene(tuple(arguments.objects), tuple(arguments.effects), arguments.mesh)
+    for warning in scene.warnings:
+        print(f"npfm scene: warning: {warning}", file=sys.stderr)
     light = environment.read(arguments.light)
+    counts = Counter(rays=0)
     began = time.process_time()
     matrix = assembly.build(
         scene,
@@ -58,12 +66,17 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.samples,
         arguments.seed,
         arguments.sampling,
+        counts,
     )
     record = {
+        "effects": scene.simulated,
         "sampling": arguments.sampling,
         "samples": arguments.samples,
         "resolution": arguments.resolution,
         "seconds": time.process_time() - began,
+        "rays": counts["rays"],
+        "nonzeros": matrix.indices.size,
+        "bytes": sum(array.nbytes for array in vars(matrix).values()),
     }
     transport.save(arguments.output, matrix)
     if arguments.record:

@@ -7,7 +7,6 @@ minimum of the objective in one step.
 import time
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt
 
 from npfm.fits import Fit, Trace
 from npfm.grid import Grid
@@ -35,6 +34,9 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
 
 
 def _fit_channel(samples: Samples) -> ChannelFit:
+    # Not at the top: pictures of fits do not need it, and it takes a tenth of a second to import.
+    from scipy.ndimage import distance_transform_edt
+
     began = time.process_time()
     weight = samples.weight.sum(-1)
     seen = weight > 0

@@ -18,15 +18,19 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
 from npfm.fits import Fit, Trace
 from npfm.grid import Grid
 from npfm.merl import Table
-from npfm.models import kernels
 from npfm.models.channels import ChannelFit, as_table, fit_channels
 from npfm.models.factors import Sums, filled
-from npfm.models.microfacet import G_NODES, G_THETA, MicrofacetProblem, tabulate_product
+from npfm.models.microfacet import (
+    G_NODES,
+    G_THETA,
+    MicrofacetProblem,
+    compiled,
+    tabulate_product,
+)
 from npfm.models.slices import factors_of_slices
 from npfm.models.smith import masking_shadowing
 from npfm.objective import Objective, Samples
@@ -101,6 +105,8 @@ class BivariateGProblem(MicrofacetProblem):
     @cached_property
     def nearest(self) -> tuple[NDArray[np.intp], ...]:
         """Index of the nearest cell with a sample, for every cell."""
+        from scipy.ndimage import distance_transform_edt
+
         unseen = self._fixed[0] == 0
         return tuple(distance_transform_edt(unseen, return_distances=False, return_indices=True))
 
@@ -153,7 +159,7 @@ class BivariateGProblem(MicrofacetProblem):
 
     def normal_equations(self, state: State) -> tuple[Array, Array]:
         """Gradient and Gauss-Newton matrix in log G, then rho_d, with B eliminated."""
-        gradient, upper = kernels.normal_equations(
+        gradient, upper = compiled().normal_equations(
             *self._arrays, state.B, state.G, state.rho_d, True
         )
         chain = np.zeros_like(upper)
@@ -196,6 +202,7 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
     NpfmError
         If a channel has no sample that counts.
     """
+    compiled()
 
     def fit_channel(samples: Samples, channel: int) -> ChannelFit:
         _, state, traces = fit_samples(samples, solve)

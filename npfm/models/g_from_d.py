@@ -11,7 +11,7 @@ from npfm.grid import Grid
 from npfm.merl import Table
 from npfm.models.channels import ChannelFit, as_table, fit_channels
 from npfm.models.factors import SMALLEST, Factors, State, filled, updated_D, updated_F
-from npfm.models.microfacet import G_THETA, MicrofacetProblem, tabulate_channel
+from npfm.models.microfacet import G_THETA, MicrofacetProblem, compiled, tabulate_channel
 from npfm.models.slices import factors_of_slices
 from npfm.models.smith import log_derivative, masking_shadowing
 from npfm.objective import Objective, Samples
@@ -117,6 +117,7 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
     NpfmError
         If a channel has no sample that counts.
     """
+    compiled()
 
     def fit_channel(samples: Samples, channel: int) -> ChannelFit:
         state, traces = fit_samples(samples, solve)

@@ -14,7 +14,13 @@ from npfm.merl import Table
 from npfm.models import g_from_d
 from npfm.models.channels import ChannelFit, as_table, fit_channels
 from npfm.models.factors import State, updated_D, updated_F
-from npfm.models.microfacet import G_NODES, G_THETA, MicrofacetProblem, tabulate_channel
+from npfm.models.microfacet import (
+    G_NODES,
+    G_THETA,
+    MicrofacetProblem,
+    compiled,
+    tabulate_channel,
+)
 from npfm.models.slices import factors_of_slices
 from npfm.models.smith import masking_shadowing
 from npfm.objective import Objective, Samples
@@ -145,6 +151,8 @@ def fit(
     """
     if not 1 <= starts <= STARTS:
         raise NpfmError(f"{starts} starts of {NAME}: give a number from 1 to {STARTS}")
+
+    compiled()
 
     def fit_channel(samples: Samples, channel: int) -> ChannelFit:
         problem = IndependentGProblem(samples)

@@ -22,7 +22,7 @@ from npfm.merl import Table
 from npfm.models import bivariate_g
 from npfm.models.bivariate_g import BivariateGProblem, State
 from npfm.models.channels import ChannelFit, as_table, fit_channels
-from npfm.models.microfacet import G_NODES, tabulate_product
+from npfm.models.microfacet import G_NODES, compiled, tabulate_product
 from npfm.objective import Objective, Samples
 from npfm.solvers.problem import Solve
 
@@ -208,6 +208,8 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int, *, rank: in
     most = min(table.grid.shape[:2])
     if not 1 <= rank <= most:
         raise NpfmError(f"{NAME} of rank {rank}: give a rank from 1 to {most}")
+
+    compiled()
 
     def fit_channel(samples: Samples, channel: int) -> ChannelFit:
         began = time.process_time()

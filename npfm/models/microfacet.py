@@ -2,18 +2,19 @@
 
 rho = rho_d + rho_s D(theta_h) F(theta_d) K with
 K = G(theta_i) G(theta_o) / (cos theta_i cos theta_o).
+
+Numba and parts of SciPy take half a second to import. Only functions that fit import them, so that
+a job that renders a fit does not wait for them.
 """
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solveh_banded
-from scipy.ndimage import gaussian_filter1d
 
 from npfm.grid import Grid
-from npfm.models import kernels
 from npfm.models.factors import FactorProblem, State, Sums
 from npfm.objective import Samples
 
@@ -52,6 +53,13 @@ class Elevations:
     def arrays(self) -> tuple[NDArray, ...]:
         """All of it, in the order of the arguments of `npfm.models.kernels`."""
         return self.node_i, self.part_i, self.node_o, self.part_o, self.inverse_cosines
+
+
+def compiled() -> ModuleType:
+    """Return `npfm.models.kernels`; a fit calls this first, before time is taken."""
+    from npfm.models import kernels
+
+    return kernels
 
 
 @lru_cache(maxsize=4)
@@ -134,7 +142,7 @@ class MicrofacetProblem(FactorProblem):
     def sums(self, third: Array) -> Sums:
         """Sums over phi_d for a masking-shadowing factor, shape (G_NODES,)."""
         plane = self.samples.grid.shape[:2]
-        sums = (x.reshape(plane) for x in kernels.kernel_sums(*self._arrays, third))
+        sums = (x.reshape(plane) for x in compiled().kernel_sums(*self._arrays, third))
         return Sums(*self._fixed, *sums, self._wrr)
 
     def updated_G(self, slope: Array, rho_d: float, G: Array, smoothing: float) -> Array:
@@ -147,6 +155,8 @@ class MicrofacetProblem(FactorProblem):
         smoothing : float
             Width of the Gaussian that smooths the result, in nodes.
         """
+        from scipy.ndimage import gaussian_filter1d
+
         first = self._solved_G(slope, rho_d, G, G)
         G = (first + self._solved_G(slope, rho_d, G, first)) / 2
         if smoothing:
@@ -155,7 +165,9 @@ class MicrofacetProblem(FactorProblem):
 
     def _solved_G(self, slope: Array, rho_d: float, G: Array, other: Array) -> Array:
         """Least-squares G at one of its places, `other` at the other (tridiagonal: G is linear)."""
-        diagonal, beside, right = kernels.masking_shadowing_equations(
+        from scipy.linalg import solveh_banded
+
+        diagonal, beside, right = compiled().masking_shadowing_equations(
             *self._arrays, slope.ravel(), rho_d, other
         )
         hold = PROXIMAL * diagonal.max() or 1.0
@@ -166,7 +178,9 @@ class MicrofacetProblem(FactorProblem):
         """Gradient and Gauss-Newton matrix in the logarithms of D, F and G, then rho_d."""
         f = state.factors
         product = np.outer(f.rho_s * f.D, f.F)
-        gradient, upper = kernels.normal_equations(*self._arrays, product, f.third, f.rho_d, False)
+        gradient, upper = compiled().normal_equations(
+            *self._arrays, product, f.third, f.rho_d, False
+        )
         return self.bounded(gradient, upper + np.triu(upper, 1).T, f.rho_d)
 
 

@@ -48,7 +48,7 @@ rule accuracy_cost_traces:
 rule accuracy_cost_fits:
     input:
         table=rules.material.output,
-        scenes=expand(rules.scene.output, scene=RUN.scenes),
+        scenes=expand(rules.scene.output.scene, scene=RUN.scenes),
         fits=lambda wildcards: COST.fits(wildcards.material),
     output:
         f"{COST.folder}/fits/{{material}}.csv",
@@ -87,7 +87,7 @@ rule accuracy_cost_scene:
         mem_mb=3000,
         runtime=20,
     params:
-        code=digest(("npfm.assembly", "npfm.transport"), ("npfm.commands.scene",)),
+        code=SCENE_CODE,
         options=lambda wildcards: COST.scene_options(wildcards.build),
     shell:
         "python -m npfm scene --light {input.light} {params.options}"

@@ -1,6 +1,6 @@
 rule render_measured:
     input:
-        scene=rules.scene.output,
+        scene=rules.scene.output.scene,
         table=rules.material.output,
     output:
         exr=f"{OUT}/renders/{{scene}}/{{material}}/measured.exr",
@@ -21,7 +21,7 @@ rule render_measured:
 
 rule render_fit:
     input:
-        scene=rules.scene.output,
+        scene=rules.scene.output.scene,
         fit=rules.fit.output.fit,
         table=rules.material.output,
     output:

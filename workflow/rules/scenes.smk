@@ -1,3 +1,8 @@
+import re
+
+SCENE_CODE = digest(("npfm.assembly", "npfm.transport"), ("npfm.commands.scene",))
+
+
 rule light:
     input:
         lambda wildcards: RUN.light_inputs(wildcards.light),
@@ -22,16 +27,20 @@ rule scene:
         light=lambda wildcards: f"{OUT}/lights/{config['scenes'][wildcards.scene]['light']}.exr",
         mesh=lambda wildcards: RUN.mesh(wildcards.scene),
     output:
-        directory(f"{OUT}/scenes/{{scene}}"),
+        scene=directory(f"{OUT}/scenes/{{scene}}"),
+        record=f"{OUT}/scenes/{{scene}}.json",
     log:
         f"{OUT}/logs/scene/{{scene}}.log",
+    wildcard_constraints:
+        scene="|".join(map(re.escape, RUN.scenes)),
     conda:
         "../envs/npfm.yaml"
     resources:
         mem_mb=3000,
         runtime=20,
     params:
-        code=digest(("npfm.assembly", "npfm.transport"), ("npfm.commands.scene",)),
+        code=SCENE_CODE,
         options=lambda wildcards: RUN.scene_options(wildcards.scene),
     shell:
-        "python -m npfm scene --light {input.light} {params.options} -o {output} 2> {log}"
+        "python -m npfm scene --light {input.light} {params.options}"
+        " --record {output.record} -o {output.scene} 2> {log}"

@@ -1,0 +1,107 @@
+from npfm.effects_cost.plan import Plan
+
+EFFECTS = Plan(RUN)
+
+
+rule effects_scene:
+    input:
+        light=lambda wildcards: f"{OUT}/lights/{config['scenes'][wildcards.scene]['light']}.exr",
+        mesh=lambda wildcards: RUN.mesh(wildcards.scene),
+    output:
+        scene=directory(f"{EFFECTS.folder}/scenes/{{scene}}/{{effect}}"),
+        record=f"{EFFECTS.folder}/scenes/{{scene}}/{{effect}}.json",
+    log:
+        f"{OUT}/logs/effects/scenes/{{scene}}/{{effect}}.log",
+    wildcard_constraints:
+        effect="[^/.]+",
+    conda:
+        "../envs/npfm.yaml"
+    resources:
+        mem_mb=3000,
+    params:
+        code=SCENE_CODE,
+        options=lambda wildcards: EFFECTS.scene_options(
+            wildcards.scene, wildcards.effect
+        ),
+    shell:
+        "python -m npfm scene --light {input.light} {params.options}"
+        " --record {output.record} -o {output.scene} 2> {log}"
+
+
+rule effects_compare:
+    input:
+        scene=rules.scene.output.scene,
+        record=rules.scene.output.record,
+        switched=lambda wildcards: EFFECTS.builds(wildcards.scene),
+        records=lambda wildcards: [
+            f"{build}.json" for build in EFFECTS.builds(wildcards.scene)
+        ],
+        tables=expand(rules.material.output, material=COST.materials),
+        fits=expand(
+            "{folder}/{material}.npz", folder=COST.standard, material=COST.materials
+        ),
+    output:
+        table=f"{EFFECTS.folder}/{{scene}}.csv",
+        pictures=f"{EFFECTS.folder}/{{scene}}.exr",
+    log:
+        f"{OUT}/logs/effects/{{scene}}.log",
+    conda:
+        "../envs/npfm.yaml"
+    resources:
+        mem_mb=2500,
+    params:
+        code=digest(("npfm.effects_cost.tables",), ("npfm.commands.effects",)),
+        render=COST.study.render_code("model-independent-g-gauss-newton"),
+        switched=lambda wildcards: EFFECTS.switched(wildcards.scene),
+    shell:
+        "python -m npfm effects compare {input.scene} {params.switched}"
+        " --tables {input.tables} --fits {input.fits}"
+        " -o {output.table} --pictures {output.pictures} 2> {log}"
+
+
+rule effects_table:
+    input:
+        expand(rules.effects_compare.output.table, scene=RUN.scenes),
+    output:
+        f"{OUT}/tables/effects.csv",
+    log:
+        f"{OUT}/logs/effects/table.log",
+    conda:
+        "../envs/npfm.yaml"
+    resources:
+        mem_mb=500,
+    params:
+        code=digest(("npfm.effects_cost.tables",), ("npfm.commands.effects",)),
+    shell:
+        "python -m npfm effects table {input} -o {output} 2> {log}"
+
+
+rule effects_figure:
+    input:
+        table=rules.effects_table.output,
+        changed=expand(rules.effects_compare.output.pictures, scene=RUN.scenes),
+        shown=expand(
+            f"{OUT}/renders/{{scene}}/{{material}}/measured.png",
+            scene=RUN.scenes,
+            material=COST.materials[-1],
+        ),
+    output:
+        pdf=f"{OUT}/figures/effects.pdf",
+        png=f"{OUT}/figures/effects.png",
+    log:
+        f"{OUT}/logs/effects/figure.log",
+    conda:
+        "../envs/npfm.yaml"
+    resources:
+        mem_mb=500,
+    params:
+        code=digest(("npfm.figures.effects",), ("npfm.commands.figure",)),
+    shell:
+        "python -m npfm figure effects --table {input.table} --changed {input.changed}"
+        " --shown {input.shown} -o {output} 2> {log}"
+
+
+rule effects:
+    input:
+        rules.effects_table.output,
+        rules.effects_figure.output,
