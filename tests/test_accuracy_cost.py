@@ -266,7 +266,11 @@ def test_a_scene_records_how_it_was_made(tmp_path):
     assert made["sampling"] == ["light"]
     assert (made["samples"], made["resolution"]) == (4, 4)
     assert made["seconds"] > 0
-    assert transport.load(tmp_path / "scene").coverage.shape == (4, 4)
+    assert (made["effects"], made["rays"]) == ([], 0)
+    stored = transport.load(tmp_path / "scene")
+    assert stored.coverage.shape == (4, 4)
+    assert made["nonzeros"] == stored.indptr[-1] > 0
+    assert made["bytes"] == sum(array.nbytes for array in vars(stored).values())
 
 
 @pytest.fixture(scope="module")

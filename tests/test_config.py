@@ -106,6 +106,17 @@ def test_a_scene_of_its_own_needs_nothing_but_config():
     assert "--effects antialiasing" in run.scene_options("E")
 
 
+def test_a_pointless_effect_is_warned_of_and_changes_no_job():
+    plain = DEFAULT["scenes"]["A"]
+    scenes = {"E": plain | {"effects": ["visibility"]}, "F": plain | {"effects": []}}
+    run = check(configured(scenes=scenes))
+    [warning] = run.warnings
+    assert warning.startswith("config: scenes/E: effect 'visibility' changes nothing on a lone")
+    assert "\n" not in warning
+    assert run.scene_options("E") == run.scene_options("F")
+    assert check(DEFAULT).warnings == []
+
+
 def test_the_conda_environment_lists_the_same_dependencies_as_the_package():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     environment = yaml.safe_load((ROOT / "workflow" / "envs" / "npfm.yaml").read_text())

@@ -6,6 +6,7 @@ from PIL import Image
 from npfm.errors import NpfmError
 from npfm.pictures import (
     read_exr,
+    read_exr_parts,
     read_radiance,
     tone_map,
     write_exr,
@@ -53,6 +54,9 @@ def test_parts_keep_their_names_order_and_pixels(tmp_path, picture):
             found = part.channels["RGBA" if name == "bivariate" else "RGB"].pixels
             assert (found == pixels).all()
     assert (read_exr(tmp_path / "p.exr") == parts["reference"]).all()
+    again = read_exr_parts(tmp_path / "p.exr")
+    assert list(again) == list(parts)
+    assert all((again[name] == pixels).all() for name, pixels in parts.items())
 
 
 def test_the_same_picture_gives_the_same_bytes(tmp_path, picture):

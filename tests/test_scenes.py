@@ -1,13 +1,17 @@
 import subprocess
 import sys
+from collections import Counter
 
 import numpy as np
 import pytest
 
-from npfm.effects import EFFECTS, subdivide, unshadowed
+from npfm import assembly
+from npfm.__main__ import main
+from npfm.effects import EFFECTS, Effect, subdivide, unshadowed
 from npfm.errors import NpfmError
 from npfm.geometry import Sphere
-from npfm.lights.environment import Environment
+from npfm.grid import Grid
+from npfm.lights.environment import Environment, write
 from npfm.scenes import CAMERA, Scene, place
 from npfm.surfaces import look, towards
 
@@ -113,15 +117,70 @@ import sys
 for name in ("embreex", "trimesh"):
     sys.modules[name] = None
 import numpy as np
+from npfm.__main__ import main
 from npfm.assembly import build
 from npfm.grid import Grid
 from npfm.lights.environment import Environment
 from npfm.scenes import Scene
 light = Environment(np.ones((4, 8, 3)))
+options = "--objects sphere --resolution 4 --samples 4"
+assert main(f"scene --light {sys.argv[1]} {options} -o {sys.argv[2]}".split()) == 0
 for effects in ((), ("antialiasing",), ("visibility", "antialiasing")):
     assert build(Scene(("sphere",), effects), light, Grid(9, 9, 18), 8, 32, 0).foreground.any()
 """
 
 
-def test_sphere_scenes_need_no_ray_library():
-    subprocess.run([sys.executable, "-W", "error", "-c", BLOCKED], check=True)
+def test_sphere_scenes_need_no_ray_library(tmp_path):
+    files = str(tmp_path / "light.exr"), str(tmp_path / "scene")
+    write(files[0], LIGHT)
+    subprocess.run([sys.executable, "-W", "error", "-c", BLOCKED, *files], check=True)
+
+
+def built(objects, effects, counts=None):
+    grid = Grid(9, 9, 18)
+    return assembly.build(Scene(objects, effects), LIGHT, grid, 8, 64, 0, counts=counts)
+
+
+@pytest.mark.parametrize("objects", SCENES)
+@pytest.mark.parametrize("effects", [(), ("antialiasing",), ("visibility",)])
+def test_a_scene_runs_no_code_of_an_effect_that_it_is_without(objects, effects, monkeypatch):
+    def forbidden(*arguments):
+        raise AssertionError("an effect ran that the scene does not ask for")
+
+    simulated = Scene(objects, effects).simulated
+    for name in set(EFFECTS) - set(simulated):
+        effect = EFFECTS[name]
+        broken = Effect(effect.film and forbidden, effect.reaches and forbidden)
+        monkeypatch.setitem(EFFECTS, name, broken)
+    counts = Counter()
+    assert built(objects, effects, counts).foreground.any()
+    assert (counts["rays"] > 0) == ("visibility" in simulated)
+
+
+def test_effects_are_composed_in_any_order():
+    both = ("visibility", "antialiasing")
+    one, other = (built(("figure", "sphere"), names) for names in (both, both[::-1]))
+    for name, array in vars(one).items():
+        np.testing.assert_array_equal(array, vars(other)[name])
+
+
+def test_visibility_of_a_lone_sphere_is_refused_with_a_warning_of_one_line(tmp_path, capsys):
+    write(tmp_path / "light.exr", LIGHT)
+    call = f"scene --light {tmp_path}/light.exr --resolution 4 --samples 64"
+    call += f" --effects visibility antialiasing -o {tmp_path}/scene --objects"
+    assert main([*call.split(), "sphere"]) == 0
+    refused = "effect 'visibility' changes nothing on a lone sphere and is left out"
+    assert capsys.readouterr().err == f"npfm scene: warning: {refused}; take it off the list\n"
+    assert main([*call.split(), "sphere", "figure"]) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_shadow_rays_are_counted_if_asked_for():
+    counts = Counter(rays=5)
+    without = built(("figure", "sphere"), ())
+    shadowed = built(("figure", "sphere"), ("visibility",), counts)
+    # An entry stands for one or more samples, and each sample is asked about once.
+    assert counts["rays"] - 5 >= without.indices.size > shadowed.indices.size
+    unasked = Counter()
+    built(("figure", "sphere"), (), unasked)
+    assert not unasked

@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=1, help="seed of the sampling (default: 1)")
     parser.add_argument(
         "--record",
-        help="JSON to write: what was built, and its cost in seconds, rays, non-zeros and bytes",
+        help="JSON to write: what was built, and its CPU seconds, shadow rays, non-zeros and bytes",
     )
     parser.add_argument("-o", "--output", required=True, help="folder to write")
 
@@ -57,6 +57,7 @@ def run(arguments: argparse.Namespace) -> None:
         print(f"npfm scene: warning: {warning}", file=sys.stderr)
     light = environment.read(arguments.light)
     counts = Counter(rays=0)
+    # CPU time: one thread builds, and other jobs beside it do not make it cost more.
     began = time.process_time()
     matrix = assembly.build(
         scene,

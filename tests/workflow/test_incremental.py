@@ -87,7 +87,9 @@ def test_another_scene_is_all_that_is_made(project):
     project.configure(
         scenes=project.config["scenes"] | {"D": project.config["scenes"]["A"] | {"light": "grove"}}
     )
-    new = {"scenes/D"} | renders("measured", "bivariate", "naive", "old", scenes="D")
+    new = {"scenes/D", "scenes/D.json"} | renders(
+        "measured", "bivariate", "naive", "old", scenes="D"
+    )
     assert project.planned(*TARGETS) == new | GATHERED
 
 

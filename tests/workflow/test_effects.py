@@ -1,0 +1,29 @@
+import re
+
+
+def test_the_target_switches_each_effect_once_and_builds_no_scene_again(finished):
+    """Not run here: it fits independent-g, which the tiny run is without."""
+    run = finished.snakemake("effects", "--dry-run")
+    assert run.returncode == 0, run.stdout + run.stderr
+    outputs = re.findall(r"^ +output: (.*)$", run.stdout + run.stderr, re.MULTILINE)
+    made = {name.removeprefix("results/tiny/") for line in outputs for name in line.split(", ")}
+    assert {name for name in made if "scenes/" in name} == {
+        f"effects/scenes/{build}{suffix}"
+        for build in ("A/antialiasing", "C/visibility", "C/antialiasing")
+        for suffix in ("", ".json")
+    }
+    tables = {"tables/effects.csv", "figures/effects.pdf", "figures/effects.png"}
+    assert tables | {f"effects/{scene}.{kind}" for scene in "AC" for kind in ("csv", "exr")} < made
+
+
+def test_a_pointless_effect_is_warned_of_once_and_reruns_nothing(project):
+    scenes = {name: dict(scene) for name, scene in project.config["scenes"].items()}
+    scenes["A"]["effects"] = ["visibility"]
+    project.configure(scenes=scenes)
+    assert project.planned() == set()
+    run = project.snakemake("--dry-run")
+    lines = [line for line in run.stderr.splitlines() if line.startswith("npfm")]
+    assert lines == [
+        "npfm: warning: config: scenes/A: effect 'visibility' changes nothing on a lone sphere "
+        "and is left out; take it off the list"
+    ]
