@@ -18,7 +18,6 @@ largest scene side by side: their resident sets, and how much of them is shared.
 """
 
 import argparse
-import json
 import os
 import re
 import shlex
@@ -28,6 +27,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pandas as pd
+from records import jobs
 
 REPEATS, SIDE_BY_SIDE = 5, 4
 #: Options that name a file or folder to write.
@@ -49,17 +49,13 @@ for name in sys.argv[1:]:
 """
 
 
-def jobs(run):
+def kinds(run):
     """One command of each kind of job of a run, and the number of such jobs."""
     found = {}
-    for path in Path(run).parents[1].glob(".snakemake/metadata/**/*"):
-        if path.is_file():
-            record = json.loads(path.read_text())
-            command = record["shellcmd"] or ""
-            if f" {Path(*Path(run).parts[-2:])}/" in command:
-                variant = re.findall(r"--variant \S+", command)
-                found.setdefault(" ".join([record["rule"], *variant]), set()).add(command)
-    return {kind: (sorted(commands)[0], len(commands)) for kind, commands in sorted(found.items())}
+    for command, record in jobs(run).items():
+        variant = re.findall(r"--variant \S+", command)
+        found.setdefault(" ".join([record["rule"], *variant]), []).append(command)
+    return {kind: (min(commands), len(commands)) for kind, commands in sorted(found.items())}
 
 
 def redirected(command, folder):
@@ -140,7 +136,7 @@ def main():
     parser.add_argument("run", help="folder of a finished run, results/<name>")
     parser.add_argument("--rules", nargs="+", help="only these rules")
     arguments = parser.parse_args()
-    commands = jobs(arguments.run)
+    commands = kinds(arguments.run)
     os.chdir(Path(arguments.run).parents[1])
     rows = []
     for rule, (command, count) in commands.items():
