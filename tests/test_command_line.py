@@ -1,5 +1,8 @@
 """The verbs as a person would use them alone, and what they say to mistakes."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -134,3 +137,18 @@ def test_mistakes_are_one_line_that_names_the_file_and_leave_nothing(folder, cap
     assert named in message
     after = sorted(path.name for path in folder.rglob("*") if path.name != "out")
     assert after == before
+
+
+BLOCKED = """
+import sys
+for name in ("numba", "pandas", "matplotlib", "scipy.linalg", "scipy.ndimage", "tqdm"):
+    sys.modules[name] = None
+from npfm import variants
+from npfm.commands import render
+for name in ("bivariate", "independent-g", "g-from-d", "naive", "bivariate-g", "low-rank-b"):
+    variants.model(name)
+"""
+
+
+def test_a_job_that_renders_does_not_wait_for_what_only_fits_and_tables_need():
+    subprocess.run([sys.executable, "-W", "error", "-c", BLOCKED], check=True)

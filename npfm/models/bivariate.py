@@ -5,6 +5,7 @@ minimum of the objective in one step.
 """
 
 import time
+from collections.abc import Callable
 
 import numpy as np
 
@@ -27,22 +28,25 @@ def parameter_count(grid: Grid) -> int:
 
 def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
     """Fit the bivariate model; `solve` and `seed` are not needed, the minimum is closed form."""
+    # It takes a tenth of a second to import: not at the top, for pictures of fits do without it.
+    from scipy.ndimage import distance_transform_edt
+
     parameters, records = fit_channels(
-        table, objective, lambda samples, channel: _fit_channel(samples), COEFFICIENTS
+        table,
+        objective,
+        lambda samples, channel: _fit_channel(samples, distance_transform_edt),
+        COEFFICIENTS,
     )
     return Fit(NAME, parameters, table.grid, records)
 
 
-def _fit_channel(samples: Samples) -> ChannelFit:
-    # Not at the top: pictures of fits do not need it, and it takes a tenth of a second to import.
-    from scipy.ndimage import distance_transform_edt
-
+def _fit_channel(samples: Samples, distances: Callable) -> ChannelFit:
     began = time.process_time()
     weight = samples.weight.sum(-1)
     seen = weight > 0
     B = (samples.weight * samples.value).sum(-1) / np.where(seen, weight, 1.0)
     # Components without a sample (beyond the angular limit) take the nearest one's value.
-    nearest = distance_transform_edt(~seen, return_distances=False, return_indices=True)
+    nearest = distances(~seen, return_distances=False, return_indices=True)
     B = B[tuple(nearest)]
     energy = samples.energy or 1.0
     reached = evaluate(samples, B[..., None]) / energy
