@@ -29,7 +29,7 @@ from tempfile import TemporaryDirectory
 import pandas as pd
 from records import jobs
 
-REPEATS, SIDE_BY_SIDE = 5, 4
+REPEATS, SIDE_BY_SIDE = 5, 3
 #: Options that name a file or folder to write.
 WRITTEN = ("-o", "--record", "--pictures")
 RENDERING = """
@@ -38,7 +38,8 @@ import numpy as np
 from npfm import transport
 from npfm.merl import Table
 from npfm.grid import MERL
-transport.render(transport.load(sys.argv[1]), Table(np.full((3, *MERL.shape), 0.1)))
+matrix = transport.load(sys.argv[1])
+transport.render(matrix, Table(np.full((3, *MERL.shape), 0.1)))
 print("rendered", flush=True)
 sys.stdin.read()
 """

@@ -2,15 +2,18 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import OpenEXR
-import OpenImageIO as oiio
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from npfm.errors import NpfmError
 from npfm.files import replacing
+
+if TYPE_CHECKING:
+    from OpenImageIO import ImageInput
 
 #: What people call the formats that OpenImageIO calls so.
 FORMAT_NAMES = {"openexr": "OpenEXR", "hdr": "HDR (Radiance RGBE)"}
@@ -103,7 +106,10 @@ def read_exr_parts(path: str | Path) -> dict[str, NDArray[np.float32]]:
     return parts
 
 
-def _opened(path: Path, formats: tuple[str, ...]) -> oiio.ImageInput:
+def _opened(path: Path, formats: tuple[str, ...]) -> "ImageInput":
+    # Only reading needs it, and rendering does not read: the import takes some milliseconds.
+    import OpenImageIO as oiio
+
     wanted = " or ".join(FORMAT_NAMES[name] for name in formats)
     if not path.is_file():
         raise NpfmError(f"{path}: no such file; give the path of an {wanted} picture")
@@ -114,12 +120,12 @@ def _opened(path: Path, formats: tuple[str, ...]) -> oiio.ImageInput:
     return file
 
 
-def _pixels(file: oiio.ImageInput, path: Path, part: int) -> NDArray[np.float32]:
+def _pixels(file: "ImageInput", path: Path, part: int) -> NDArray[np.float32]:
     """Pixels of a part of an open file."""
     names = file.spec().channelnames
     if names[:3] != ("R", "G", "B"):
         raise NpfmError(f"{path}: channels {', '.join(names)}; red, green and blue are needed")
-    pixels = file.read_image(part, 0, 0, 4 if names[3:4] == ("A",) else 3, oiio.FLOAT)
+    pixels = file.read_image(part, 0, 0, 4 if names[3:4] == ("A",) else 3, "float")
     if pixels is None or file.geterror():
         raise NpfmError(f"{path}: cut off or damaged; copy or make the file again")
     return pixels
