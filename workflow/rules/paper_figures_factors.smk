@@ -23,7 +23,7 @@ use rule fit as weighting_fit with:
 
 use rule render_fit as weighting_render with:
     input:
-        scene=rules.scene.output,
+        scene=rules.scene.output.scene,
         fit=rules.weighting_fit.output.fit,
         table=rules.material.output,
     wildcard_constraints:
