@@ -25,7 +25,8 @@ class Trace:
     start : str
         Name of the start.
     status : str
-        ``converged``, ``iteration cap``, ``stalled`` or ``degenerate: <why>``.
+        ``converged``, ``iteration cap``, or ``stalled``: nothing that was tried lowers the
+        objective, though its derivative says that it can be lowered.
     iterations, gss_calls : int
         Sweeps over the factors, and golden-section searches among them.
     seconds, objective : tuple of float
@@ -47,7 +48,8 @@ class ChannelRecord:
     """How one channel was fitted; `objective` and `objective_floor` are relative as in `Trace`.
 
     `seconds` is the processor time of the whole channel, all starts and preparations included;
-    `objective_floor` is the part of the objective that no reciprocal model can remove.
+    `objective_floor` is the part of the objective that no reciprocal model can remove; `status` is
+    that of the best start, or ``degenerate: <why>`` if the samples leave many fits equally good.
     """
 
     channel: str

@@ -16,6 +16,11 @@ from npfm.merl import CHANNELS, Table
 #: Power of the compressive weight and steepness of the compressive function (section 4.1).
 COMPRESSION_POWER = 1.4
 COMPRESSION_ALPHA = np.log(2)
+#: A sample whose compressive weight is less, one of 1e143 medians, does not count: the squares of
+#: the others stay far from the ends of double precision.
+LEAST_COMPRESSIVE_WEIGHT = 1e-200
+#: Samples that differ by no more than this share count as equal.
+EQUAL = 1e-12
 
 
 @dataclass(frozen=True)
@@ -28,10 +33,22 @@ class Objective:
         Whether the compressive weight (equation 11) is in the product; off for Figure 7.
     max_angle : float
         Largest theta_i and theta_o that count, in degrees.
+
+    Raises
+    ------
+    NpfmError
+        If the angle is not above 0 and below 90.
     """
 
     compressive: bool = True
     max_angle: float = 89.0
+
+    def __post_init__(self) -> None:
+        if not 0 < self.max_angle < 90:
+            raise NpfmError(
+                f"the largest angle that counts cannot be {self.max_angle:g} degrees; "
+                "give a number above 0 and below 90"
+            )
 
 
 @dataclass(frozen=True)
@@ -45,7 +62,8 @@ class Samples:
     value : ndarray, the same shape
         Measured BRDF divided by `scale`, 0 where a sample does not count.
     scale : float
-        The weighted median (1/sr), or 1 where that is 0: fits work on numbers around 1.
+        What `value` was divided by (1/sr): the weighted median times that power of two which
+        brings the root mean square nearest to 1.
     floor : float
         Part of the objective that folding has taken out (0 before folding).
     grid : Grid
@@ -157,9 +175,14 @@ def channel_samples(table: Table, channel: int, objective: Objective) -> Samples
     Raises
     ------
     NpfmError
-        If no sample of the channel counts.
+        If an entry of the channel is NaN or infinite, or no sample of it counts.
     """
     measured = table.values[channel]
+    if not np.isfinite(measured).all():
+        raise NpfmError(
+            f"the {CHANNELS[channel]} channel has entries that are NaN or infinite; mark missing "
+            "samples with a negative value, as MERL does"
+        )
     weight = _geometric_weight(table.grid, objective.max_angle)
     usable = (weight > 0) & (measured >= 0)
     if not usable.any():
@@ -169,11 +192,65 @@ def channel_samples(table: Table, channel: int, objective: Objective) -> Samples
         )
     value = np.where(usable, measured, 0.0)
     weight = np.where(usable, weight, 0.0)
-    scale = weighted_median(value, weight) or 1.0
-    value = value / scale
+    median = _middle(value, weight)
     if objective.compressive:
-        weight = weight * compressive_weight(value)
-    return Samples(weight, value, scale, 0.0, table.grid)
+        with np.errstate(over="ignore"):
+            compressed = compressive_weight(value / median)
+        weight = weight * np.where(compressed >= LEAST_COMPRESSIVE_WEIGHT, compressed, 0.0)
+        value = np.where(weight > 0, value, 0.0)
+    scale = _unit(value, weight, median)
+    return Samples(weight, value / scale, scale, 0.0, table.grid)
+
+
+def _middle(value: NDArray, weight: NDArray) -> float:
+    """Weighted median: of the samples above 0 where it would be 0, and 1 where all are 0.
+
+    A table times c has c times this unit, whatever share of it is black.
+    """
+    median = weighted_median(value, weight)
+    if median == 0 and value.any():
+        median = weighted_median(value, np.where(value > 0, weight, 0.0))
+    return median or 1.0
+
+
+def _unit(value: NDArray, weight: NDArray, median: float) -> float:
+    """Median times the power of two nearest to the root mean square over the median.
+
+    Squares of values in this unit overflow for no table, and a power of two rounds nothing.
+    """
+    top = value.max()
+    if top == 0:
+        return median
+    mean_square = np.vdot(weight, (value / top) ** 2) / weight.sum()
+    return float(np.ldexp(median, round(np.log2(top) - np.log2(median) + np.log2(mean_square) / 2)))
+
+
+def degeneracy(samples: Samples) -> str | None:
+    """What makes many fits of the samples equally good, or None.
+
+    Parameters
+    ----------
+    samples : Samples
+        Not folded, so that each is a measurement.
+
+    Returns
+    -------
+    str or None
+        In words, for the status of a fit.
+    """
+    counts = samples.weight > 0
+    value = samples.value[counts]
+    if value.size == 1:
+        return "one sample"
+    if not value.any():
+        return "every sample is 0"
+    if np.ptp(value) <= EQUAL * value.max():
+        return "all samples are equal"
+    for axis, name in ((0, "theta_h"), (1, "theta_d")):
+        other = tuple({0, 1, 2} - {axis})
+        if np.count_nonzero(counts.any(other)) == 1:
+            return f"samples in one bin of {name} only"
+    return None
 
 
 def fold(samples: Samples) -> Samples:

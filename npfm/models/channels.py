@@ -7,9 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from npfm.errors import NpfmError
 from npfm.fits import ChannelRecord, Trace
 from npfm.merl import CHANNELS, INVALID, Table
-from npfm.objective import Objective, Samples, channel_samples, fold
+from npfm.objective import Objective, Samples, channel_samples, degeneracy, fold
+
+#: What parameters are stored as.
+STORED = np.float32
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,12 @@ def fit_channels(
     -------
     parameters : dict of str to ndarray of float32, first axis the channel
     records : tuple of ChannelRecord
+
+    Raises
+    ------
+    NpfmError
+        If a channel has no sample that counts, a NaN or an infinity, or values so large or so
+        small that its coefficients cannot be stored.
     """
     fitted, records = [], []
     for channel, name in enumerate(CHANNELS):
@@ -58,12 +68,8 @@ def fit_channels(
         result = fit_channel(folded if reciprocal else samples, channel)
         best = result.traces[0]
         energy = folded.energy or 1.0
-        fitted.append(
-            {
-                key: np.asarray(value) * (folded.scale if key in coefficients else 1.0)
-                for key, value in result.parameters.items()
-            }
-        )
+        fitted.append(_stored(result.parameters, folded.scale, coefficients, name))
+        degenerate = degeneracy(samples)
         records.append(
             ChannelRecord(
                 channel=name,
@@ -71,14 +77,28 @@ def fit_channels(
                 best_start=best.start,
                 objective=best.objective[-1],
                 objective_floor=folded.floor / energy,
-                status=best.status,
+                status=f"degenerate: {degenerate}" if degenerate else best.status,
                 traces=result.traces,
             )
         )
-    parameters = {
-        key: np.stack([channel[key] for channel in fitted]).astype(np.float32) for key in fitted[0]
+    return {key: np.stack([c[key] for c in fitted]) for key in fitted[0]}, tuple(records)
+
+
+def _stored(
+    parameters: dict[str, NDArray], scale: float, coefficients: tuple[str, ...], channel: str
+) -> dict[str, NDArray]:
+    """Parameters as they are stored, the coefficients in 1/sr."""
+    scaled = {
+        key: np.asarray(value) * (scale if key in coefficients else 1.0)
+        for key, value in parameters.items()
     }
-    return parameters, tuple(records)
+    limits, largest = np.finfo(STORED), max(np.abs(scaled[key]).max() for key in coefficients)
+    if largest > limits.max or 0 < largest < limits.tiny:
+        raise NpfmError(
+            f"the {channel} channel needs a coefficient of {largest:.1e} 1/sr, and a fit holds "
+            f"{limits.tiny:.0e} to {limits.max:.0e}; scale the table"
+        )
+    return {key: value.astype(STORED) for key, value in scaled.items()}
 
 
 def as_table(channels: list[NDArray], grid) -> Table:

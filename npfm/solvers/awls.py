@@ -10,6 +10,7 @@ from collections.abc import Mapping
 
 from npfm.fits import Trace
 from npfm.solvers.golden import golden_section
+from npfm.solvers.normal import status_at_rest
 from npfm.solvers.problem import ROUNDING, Problem, S, Solver, Update
 
 
@@ -46,6 +47,8 @@ def minimise(problem: Problem[S], name: str, state: S, settings: Solver) -> tupl
             decrease = objectives[-1] - current
             objectives.append(current)
             seconds.append(time.process_time() - began)
+    if status == "converged" and decrease == 0:
+        status = status_at_rest(problem, state, objectives[-1], settings)
     relative = tuple(value / problem.energy if problem.energy else 0.0 for value in objectives)
     trace = Trace(name, status, len(objectives) - 1, gss_calls, tuple(seconds), relative)
     return state, trace

@@ -10,18 +10,13 @@ import time
 from collections.abc import Mapping
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
-
 from npfm.fits import Trace
+from npfm.solvers.normal import FIRST_DAMPING, status_at_rest, system
 from npfm.solvers.problem import Problem, S, Solver
 
 #: Several starts are compared on every n-th bin of phi_d, to so many times the tolerance.
 COARSE, COARSE_TOLERANCE = 6, 10.0
-#: Longest step of a logarithm: a factor changes by at most e^3, about 20, at a time.
-LONGEST_STEP = 3.0
-FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-10, 1e8
+LEAST_DAMPING, MOST_DAMPING = 1e-10, 1e8
 #: Damping is divided by this after a step that helps, and multiplied by it after one that does not.
 EASE, TIGHTEN = 5.0, 4.0
 #: Iterations in a row that hardly lower the objective, before a run is called converged.
@@ -79,6 +74,7 @@ def minimise(
             break
         accepted, damping = _step(problem, state, objectives[-1], damping)
         if accepted is None:
+            status = status_at_rest(problem, state, objectives[-1], settings)
             break
         state, reached = accepted
         calm = calm + 1 if objectives[-1] - reached <= settings.tolerance * reached else 0
@@ -93,37 +89,11 @@ def _step(
     problem: Problem[S], state: S, current: float, damping: float
 ) -> tuple[tuple[S, float] | None, float]:
     """Tighten the damping until a step lowers the objective; None if none does."""
-    packed = problem.pack(state)
-    gradient, matrix = problem.normal_equations(state)
-    at_bound = np.append((packed <= problem.lower + 1e-9) & (gradient[:-1] > 0), False)
-    held, tops = np.flatnonzero(at_bound), np.append(problem.tops(packed), packed.size)
-    # A component at the clamp is a fixed share of the largest one of its factor and moves with it.
-    for top in np.unique(tops[held]):
-        tied = held[tops[held] == top]
-        gradient[top] += gradient[tied].sum()
-        matrix[:, top] += matrix[:, tied].sum(1)
-        matrix[top] += matrix[tied].sum(0)
-    free = np.flatnonzero((np.diag(matrix) > 1e-300) & ~at_bound)
+    packed, equations = problem.pack(state), system(problem, state)
     while damping < MOST_DAMPING:
-        step = np.zeros(gradient.size)
-        step[free] = _solved(matrix[np.ix_(free, free)], gradient[free], damping)
-        step[held] = step[tops[held]]
-        candidate = problem.unpack(packed + step[:-1])
+        candidate = problem.unpack(packed + equations.step(damping)[:-1])
         reached = problem.objective(candidate)
         if reached < current:
             return (candidate, reached), max(damping / EASE, LEAST_DAMPING)
         damping *= TIGHTEN
     return None, damping
-
-
-def _solved(matrix: NDArray, gradient: NDArray, damping: float) -> NDArray:
-    scale = np.diag(matrix)
-    # Scaling to a unit diagonal makes the damping the same for strong and for weak unknowns.
-    root = np.sqrt(scale)
-    scaled = matrix / root / root[:, None]
-    scaled[np.diag_indices_from(scaled)] = 1 + damping + 1e-12
-    try:
-        step = cho_solve(cho_factor(scaled, lower=True), -gradient / root) / root
-    except LinAlgError:
-        step = -gradient / scale
-    return np.clip(step, -LONGEST_STEP, LONGEST_STEP)

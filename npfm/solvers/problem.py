@@ -6,6 +6,7 @@ from typing import Protocol, TypeVar
 
 from numpy.typing import NDArray
 
+from npfm.errors import NpfmError
 from npfm.fits import Trace
 
 S = TypeVar("S")
@@ -76,11 +77,24 @@ class Solver:
         A run has converged when an iteration lowers the objective by less than this share.
     max_iterations : int
         Cap on the iterations of a run; a run that meets it says so in its status.
+
+    Raises
+    ------
+    NpfmError
+        If the tolerance is not a number above 0, or the cap is below 1.
     """
 
     method: str = "gauss-newton"
     tolerance: float = 1e-5
     max_iterations: int = 1000
+
+    def __post_init__(self) -> None:
+        if not 0 < self.tolerance < float("inf"):
+            raise NpfmError(
+                f"a tolerance of {self.tolerance:g} stops no run; give a number above 0, such as 1e-5"
+            )
+        if self.max_iterations < 1:
+            raise NpfmError(f"{self.max_iterations} iterations fit nothing; give 1 or more")
 
 
 class Solve(Protocol):
