@@ -4,11 +4,12 @@ import argparse
 import os
 import sys
 from types import ModuleType
+from typing import NoReturn
 
-# One job, one core: the workflow runs jobs side by side, and sums that several threads share
-# would differ from run to run. Libraries read these when they are loaded.
+# One job, one core, whatever the environment asks for: the workflow runs jobs side by side, and a
+# sum that several threads share would round differently. Libraries read these when they are loaded.
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_variable, "1")
+    os.environ[_variable] = "1"
 
 from npfm.errors import NpfmError  # noqa: E402
 
@@ -61,10 +62,17 @@ def _command(verb: str) -> ModuleType:
     return module
 
 
+class _Parser(argparse.ArgumentParser):
+    """A parser whose complaints are one line, like all others."""
+
+    def error(self, message: str) -> NoReturn:
+        raise NpfmError(f"{message}; see {self.prog} --help")
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run a verb; return the exit code (1 for a mistake in the input, told in one line)."""
     arguments = sys.argv[1:] if arguments is None else arguments
-    parser = argparse.ArgumentParser(prog="python -m npfm", description=__doc__.split("\n")[0])
+    parser = _Parser(prog="python -m npfm", description=__doc__.split("\n")[0])
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="verb")
     for verb, summary in VERBS.items():
         chosen = verbs.add_parser(
@@ -75,11 +83,12 @@ def main(arguments: list[str] | None = None) -> int:
         )
         if arguments[:1] == [verb]:
             _command(verb).add_arguments(chosen)
-    parsed = parser.parse_args(arguments)
     try:
+        parsed = parser.parse_args(arguments)
         _command(parsed.verb).run(parsed)
     except (NpfmError, OSError) as error:
-        print(f"npfm {parsed.verb}: {error}", file=sys.stderr)
+        named = [verb for verb in arguments[:1] if verb in VERBS]
+        print(f"{' '.join(['npfm', *named])}: {error}", file=sys.stderr)
         return 1
     return 0
 

@@ -16,9 +16,9 @@ from npfm.merl import CHANNELS, Table
 #: Power of the compressive weight and steepness of the compressive function (section 4.1).
 COMPRESSION_POWER = 1.4
 COMPRESSION_ALPHA = np.log(2)
-#: A sample whose compressive weight is less, one of 1e143 medians, does not count: the squares of
-#: the others stay far from the ends of double precision.
-LEAST_COMPRESSIVE_WEIGHT = 1e-200
+#: Samples of no more than this share of the largest are black beside it: twice the decades that
+#: the measured materials have.
+BLACK = 1e-12
 #: Samples that differ by no more than this share count as equal.
 EQUAL = 1e-12
 
@@ -62,8 +62,8 @@ class Samples:
     value : ndarray, the same shape
         Measured BRDF divided by `scale`, 0 where a sample does not count.
     scale : float
-        What `value` was divided by (1/sr): the weighted median times that power of two which
-        brings the root mean square nearest to 1.
+        The weighted median (1/sr), that of what is not black where most is: fits work on numbers
+        around 1. 1 where all is 0.
     floor : float
         Part of the objective that folding has taken out (0 before folding).
     grid : Grid
@@ -192,37 +192,24 @@ def channel_samples(table: Table, channel: int, objective: Objective) -> Samples
         )
     value = np.where(usable, measured, 0.0)
     weight = np.where(usable, weight, 0.0)
-    median = _middle(value, weight)
+    scale = _typical(value, weight)
+    value = value / scale
     if objective.compressive:
-        with np.errstate(over="ignore"):
-            compressed = compressive_weight(value / median)
-        weight = weight * np.where(compressed >= LEAST_COMPRESSIVE_WEIGHT, compressed, 0.0)
-        value = np.where(weight > 0, value, 0.0)
-    scale = _unit(value, weight, median)
-    return Samples(weight, value / scale, scale, 0.0, table.grid)
+        weight = weight * compressive_weight(value)
+    return Samples(weight, value, scale, 0.0, table.grid)
 
 
-def _middle(value: NDArray, weight: NDArray) -> float:
-    """Weighted median: of the samples above 0 where it would be 0, and 1 where all are 0.
+def _typical(value: NDArray, weight: NDArray) -> float:
+    """Weighted median: of the samples that are not black if it is black itself; 1 if all are 0.
 
-    A table times c has c times this unit, whatever share of it is black.
+    So a table times c has c times this unit however dark most of it is, and no sample has more
+    than 1 / BLACK units, whose square is far from the end of double precision.
     """
+    threshold = BLACK * value.max()
     median = weighted_median(value, weight)
-    if median == 0 and value.any():
-        median = weighted_median(value, np.where(value > 0, weight, 0.0))
+    if median <= threshold and threshold > 0:
+        median = weighted_median(value, np.where(value > threshold, weight, 0.0))
     return median or 1.0
-
-
-def _unit(value: NDArray, weight: NDArray, median: float) -> float:
-    """Median times the power of two nearest to the root mean square over the median.
-
-    Squares of values in this unit overflow for no table, and a power of two rounds nothing.
-    """
-    top = value.max()
-    if top == 0:
-        return median
-    mean_square = np.vdot(weight, (value / top) ** 2) / weight.sum()
-    return float(np.ldexp(median, round(np.log2(top) - np.log2(median) + np.log2(mean_square) / 2)))
 
 
 def degeneracy(samples: Samples) -> str | None:

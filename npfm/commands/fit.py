@@ -6,6 +6,7 @@ from dataclasses import replace
 from tqdm import tqdm
 
 from npfm import fits, variants
+from npfm.commands.numbers import positive, whole
 from npfm.errors import NpfmError
 from npfm.merl import read_binary
 from npfm.objective import Objective
@@ -34,14 +35,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--tolerance",
-        type=float,
+        type=positive,
         default=solver.tolerance,
         help="stop when an iteration lowers the objective by less than this share "
         "(default: %(default)s)",
     )
     parser.add_argument(
         "--max-iterations",
-        type=int,
+        type=whole(1),
         default=solver.max_iterations,
         help="cap on the iterations of one run (default: %(default)s)",
     )
@@ -56,7 +57,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-compressive", action="store_true", help="leave the compressive weight out"
     )
-    parser.add_argument("--seed", type=int, default=1, help="seed of random starts (default: 1)")
+    parser.add_argument(
+        "--seed", type=whole(0), default=1, help="seed of random starts (default: 1)"
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:

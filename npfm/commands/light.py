@@ -2,6 +2,8 @@
 
 import argparse
 
+from npfm.commands.numbers import whole
+from npfm.errors import NpfmError
 from npfm.lights import environment
 
 EXAMPLE = """\
@@ -20,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     source.add_argument("probe", nargs="?", help="light probe, .hdr or .exr")
     source.add_argument("--generate", metavar="NAME", help="a light that the project makes")
     parser.add_argument("--layout", help="angular-map, vertical-cross or lat-long")
-    parser.add_argument("--height", type=int, default=512, help="rows (default: 512)")
+    parser.add_argument("--height", type=whole(1), default=512, help="rows (default: 512)")
     parser.add_argument("-o", "--output", required=True, help="lat-long EXR to write")
 
 
@@ -31,7 +33,13 @@ def run(arguments: argparse.Namespace) -> None:
 
         light = generate(arguments.generate, arguments.height)
     else:
-        from npfm.lights.formats import load_probe
+        from npfm.lights.formats import LAYOUTS, load_probe
+
+        if not arguments.layout:
+            raise NpfmError(
+                f"{arguments.probe}: how it maps directions to pixels is not known; give --layout "
+                f"{' or '.join(sorted(LAYOUTS))}"
+            )
 
         light = load_probe(arguments.probe, arguments.layout, arguments.height)
     environment.write(arguments.output, light)

@@ -4,6 +4,7 @@ import argparse
 import os
 from pathlib import Path
 
+from npfm.commands.numbers import whole
 from npfm.errors import NpfmError
 from npfm.files import replacing
 from npfm.merl import read_binary, write_binary
@@ -27,7 +28,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     kind.add_argument("--merl", metavar="NAME", help="a material of a folder of .binary files")
     parser.add_argument("--from", dest="source", help="the archive, or the folder")
     parser.add_argument("--url", help="where to download from, with {name} for the material")
-    parser.add_argument("--seed", type=int, default=1, help="seed of synthetic noise (default: 1)")
+    parser.add_argument(
+        "--seed", type=whole(0), default=1, help="seed of synthetic noise (default: 1)"
+    )
     parser.add_argument("-o", "--output", required=True, help="MERL .binary file to write")
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from npfm import pictures, transport
+from npfm.commands.numbers import positive
 from npfm.commands.sources import table
 from npfm.merl import INVALID, Table, read_binary
 
@@ -26,10 +27,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("source", help="MERL .binary file, or fit (.npz)")
     parser.add_argument("--measured", help="MERL .binary file that the fit was made from")
     parser.add_argument(
-        "--exposure", type=float, default=0.02, help="of the PNG, factor (default: %(default)s)"
+        "--exposure", type=positive, default=0.02, help="of the PNG, factor (default: %(default)s)"
     )
     parser.add_argument(
-        "--gamma", type=float, default=2.2, help="of the PNG, exponent (default: %(default)s)"
+        "--gamma", type=positive, default=2.2, help="of the PNG, exponent (default: %(default)s)"
     )
     parser.add_argument("-o", "--output", required=True, help="EXR to write")
 

@@ -8,6 +8,7 @@ from collections import Counter
 from pathlib import Path
 
 from npfm import assembly, effects, scenes, transport
+from npfm.commands.numbers import whole
 from npfm.files import replacing
 from npfm.grid import MERL
 from npfm.lights import environment
@@ -30,10 +31,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--effects", nargs="+", default=[], help=" and ".join(effects.EFFECTS))
     parser.add_argument("--mesh", type=Path, help="PLY file of the figure (default: our own shape)")
     parser.add_argument(
-        "--resolution", type=int, default=128, help="pixels along one side (default: %(default)s)"
+        "--resolution",
+        type=whole(1),
+        default=128,
+        help="pixels along one side (default: %(default)s)",
     )
     parser.add_argument(
-        "--samples", type=int, default=4096, help="light directions a pixel (default: %(default)s)"
+        "--samples",
+        type=whole(1),
+        default=4096,
+        help="light directions a pixel (default: %(default)s)",
     )
     parser.add_argument(
         "--sampling",
@@ -42,7 +49,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=list(assembly.STRATEGIES),
         help="how light directions are chosen (default: both, combined)",
     )
-    parser.add_argument("--seed", type=int, default=1, help="seed of the sampling (default: 1)")
+    parser.add_argument(
+        "--seed", type=whole(0), default=1, help="seed of the sampling (default: 1)"
+    )
     parser.add_argument(
         "--record",
         help="JSON to write: what was built, and its CPU seconds, shadow rays, non-zeros and bytes",

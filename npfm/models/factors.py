@@ -22,6 +22,9 @@ SMALLEST = 1e-12
 #: Least share of rho_s in the mean, where the product falls as the measurement rises: the model
 #: is next to constant then, and the factors keep a derivative to turn round by.
 LEAST_SHARE = 1e-6
+#: Variance of the product as a share of its mean square below which it counts as constant: the
+#: difference of two sums has lost its digits.
+SINGULAR = 1e-12
 
 
 @dataclass(frozen=True)
@@ -83,12 +86,16 @@ def coefficients(sums: Sums, product: Array) -> tuple[float, float]:
     if w == 0:
         return 0.0, 0.0
     variance, covariance = wxx - wx * wx / w, wxy - wx * wy / w
-    if variance > 1e-12 * wxx:
-        rho_s = covariance / variance if covariance > 0 else LEAST_SHARE * wy / wx
-        rho_d = (wy - rho_s * wx) / w
-        if rho_d >= 0 and rho_s > 0:
-            return float(rho_d), float(rho_s)
-    return 0.0, float(wxy / wxx) if wxx > 0 else 0.0
+    if wx == 0:
+        return float(wy / w), 0.0
+    if variance > SINGULAR * wxx and covariance > 0:
+        rho_s = covariance / variance
+    elif wy * wy / w > (1 + SINGULAR) * wxy * wxy / wxx:  # a constant does better
+        rho_s = LEAST_SHARE * wy / wx
+    else:
+        return 0.0, float(wxy / wxx)
+    rho_d = (wy - rho_s * wx) / w
+    return (float(rho_d), float(rho_s)) if rho_d >= 0 else (0.0, float(wxy / wxx))
 
 
 @dataclass(frozen=True)

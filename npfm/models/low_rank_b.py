@@ -80,7 +80,11 @@ class Equations:
         pairs = (V[:, :, None] * V[:, None, :]).reshape(len(V), -1)
         right, border = self.wrk @ V, self.wk @ V
         matrices = (self.wkk @ pairs).reshape(-1, rank, rank)
-        solved = np.linalg.solve(matrices, np.stack([right, border], axis=-1))
+        sides = np.stack([right, border], axis=-1)
+        try:
+            solved = np.linalg.solve(matrices, sides)
+        except np.linalg.LinAlgError:  # a row whose weights leave a direction open: the shortest
+            solved = np.linalg.pinv(matrices, hermitian=True) @ sides
         U, change = solved[..., 0], solved[..., 1]
         slope = self.w - np.vdot(border, change)
         rho_d = (self.wr - np.vdot(border, U)) / slope if slope > 1e-12 * self.w else 0.0

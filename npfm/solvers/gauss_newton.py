@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from npfm.fits import Trace
 from npfm.solvers.normal import FIRST_DAMPING, status_at_rest, system
-from npfm.solvers.problem import Problem, S, Solver
+from npfm.solvers.problem import ROUNDING, Problem, S, Solver
 
 #: Several starts are compared on every n-th bin of phi_d, to so many times the tolerance.
 COARSE, COARSE_TOLERANCE = 6, 10.0
@@ -77,7 +77,8 @@ def minimise(
             status = status_at_rest(problem, state, objectives[-1], settings)
             break
         state, reached = accepted
-        calm = calm + 1 if objectives[-1] - reached <= settings.tolerance * reached else 0
+        enough = settings.tolerance * reached + ROUNDING * problem.energy
+        calm = calm + 1 if objectives[-1] - reached <= enough else 0
         objectives.append(reached)
         seconds.append(time.process_time() - began)
     relative = tuple(value / problem.energy if problem.energy else 0.0 for value in objectives)

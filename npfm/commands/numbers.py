@@ -1,0 +1,30 @@
+"""Numbers on the command line: types of arguments that refuse what means nothing."""
+
+import argparse
+from collections.abc import Callable
+
+
+def whole(lowest: int) -> Callable[[str], int]:
+    """Return the type of a whole number that is not below `lowest`."""
+
+    def parse(text: str) -> int:
+        try:
+            number = int(text)
+        except ValueError:
+            number = None
+        if number is None or number < lowest:
+            raise argparse.ArgumentTypeError(f"'{text}': give a whole number of {lowest} or more")
+        return number
+
+    return parse
+
+
+def positive(text: str) -> float:
+    """Type of a finite number above 0."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = float("nan")
+    if not 0 < number < float("inf"):
+        raise argparse.ArgumentTypeError(f"'{text}': give a number above 0")
+    return number

@@ -1,0 +1,207 @@
+"""The table of docs/stability.md: every hard case, fitted by every model and solver.
+
+    python tests/stability.py case constant -o constant.csv
+    python tests/stability.py gather constant.csv black.csv -o stability.csv
+
+A run fails if a warning is raised, or if what must hold of every fit does not.
+"""
+
+import argparse
+import sys
+import warnings
+from collections.abc import Iterator
+from itertools import product
+
+import numpy as np
+import pandas as pd
+from hard_cases import CASES
+from numpy.typing import NDArray
+
+from npfm import tables, variants
+from npfm.errors import NpfmError
+from npfm.fits import Fit
+from npfm.grid import MERL
+from npfm.merl import Table
+from npfm.models.bivariate_g import BivariateGProblem
+from npfm.models.channels import STORED
+from npfm.models.g_from_d import GFromDProblem
+from npfm.models.independent_g import IndependentGProblem
+from npfm.models.low_rank_b import Compressor
+from npfm.models.naive import NaiveProblem
+from npfm.objective import Objective, Samples, channel_samples, evaluate, fold
+from npfm.solvers.normal import system
+from npfm.solvers.problem import Solver
+
+COLUMNS = [
+    "case", "variant", "solver", "status", "finite", "objective", "objective_floor", "condition",
+    "seconds",
+]  # fmt: skip
+#: Scalings of the factors and of G that leave a model as it is: directions without curvature.
+FREEDOMS = {"independent-g": 2, "g-from-d": 1, "naive": 2, "bivariate-g": 2}
+#: How far, as a share of the energy, rounding can raise an objective above that of a constant.
+ROUNDING = 1e-9
+STATUSES = ("converged", "iteration cap", "stalled", "degenerate: ")
+
+
+def runs() -> Iterator[tuple[str, str]]:
+    """Every model with every solver; one that needs none is fitted once."""
+    for model, method in product(variants.MODELS, variants.SOLVERS):
+        if model not in variants.CLOSED_FORM:
+            yield model, method
+        elif method == variants.SOLVERS[0]:
+            yield model, ""
+
+
+def fitted(table: Table, model: str, settings: Solver, starts: int) -> Fit:
+    """Fit a model; `starts` is how many independent-g has."""
+    own = {"starts": starts} if model == "independent-g" else {}
+    return variants.model(model).fit(table, Objective(), variants.solver(settings), 1, **own)
+
+
+def violations(table: Table, fit: Fit) -> list[str]:
+    """What must hold of every fit of any table, and does not."""
+    module = variants.model(fit.model)
+    made, found = module.tabulate(fit), []
+    if not all(np.isfinite(a).all() for a in (*fit.parameters.values(), made.values)):
+        found.append("a NaN or an infinity")
+    if (made.values[:, table.grid.above_horizon] < 0).any():
+        found.append("a negative value")
+    for name in {"D", "F", "G", "H"} & fit.parameters.keys():
+        factor, clamp = fit.parameters[name], STORED(getattr(module, "CLAMP", 0))
+        if not ((factor >= clamp) & (factor <= 1)).all():
+            found.append(f"{name} outside [{clamp}, 1]")
+    for name in {"rho_d", "rho_s", "B"} & fit.parameters.keys():
+        if (fit.parameters[name] < 0).any():
+            found.append(f"{name} below 0")
+    for channel, record in enumerate(fit.records):
+        samples = channel_samples(table, channel, Objective())
+        energy = samples.energy or 1.0
+        reached = evaluate(samples, made.values[channel] / samples.scale) / energy
+        mean = np.vdot(samples.weight, samples.value) / samples.weight.sum()
+        constant = evaluate(samples, np.broadcast_to(mean, samples.value.shape)) / energy
+        if reached > constant + ROUNDING:
+            found.append(f"{record.channel}: {reached:g}, a constant leaves {constant:g}")
+        if abs(reached - record.objective) > 1e-5 * reached + ROUNDING:
+            found.append(f"{record.channel}: {reached:g}, recorded as {record.objective:g}")
+        if not record.status.startswith(STATUSES):
+            found.append(f"{record.channel}: status '{record.status}'")
+    return found
+
+
+def condition(model: str, samples: Samples, p: dict[str, NDArray]) -> float:
+    """Condition number of what is solved at a fit of one channel.
+
+    Of the Gauss-Newton matrix in the free unknowns, scaled to a unit diagonal, without as many of
+    its smallest eigenvalues as a model has scalings that change nothing; for low-rank-b, the
+    largest of the systems for a row of U or V. Infinite if singular in double precision, NaN for
+    the bivariate model, which solves no system.
+
+    Parameters
+    ----------
+    model : str
+    samples : Samples
+        Not folded.
+    p : dict of str to ndarray of float64
+        Parameters of the channel in the units of the samples.
+    """
+    match model:
+        case "bivariate":
+            return float("nan")
+        case "naive":
+            problem = NaiveProblem(samples)
+            state = problem.state(p["D"], p["F"], p["H"])
+        case "independent-g":
+            problem = IndependentGProblem(fold(samples))
+            state = problem.state(p["D"], p["F"], p["G"])
+        case "g-from-d":
+            problem = GFromDProblem(fold(samples))
+            state = problem.start(p["D"], p["F"])
+        case _:
+            problem = BivariateGProblem(fold(samples))
+            state = problem.start(p["G"])
+    if model == "low-rank-b":
+        return _of_rows(Compressor(problem, state), p["U"], p["V"])
+    _, matrix = system(problem, state).reduced
+    return _scaled_condition(matrix, FREEDOMS[model]) if matrix.size else float("nan")
+
+
+def _of_rows(compressor: Compressor, U: NDArray, V: NDArray) -> float:
+    equations, found = compressor.equations, []
+    for weight, factor in (
+        (equations.wkk, V * compressor.columns),
+        (equations.wkk.T, U * compressor.rows),
+    ):
+        basis = np.linalg.qr(factor)[0]
+        found += [_scaled_condition((basis.T * row) @ basis, 0) for row in weight if row.any()]
+    return max(found, default=float("nan"))
+
+
+def _scaled_condition(matrix: NDArray, freedoms: int) -> float:
+    root = np.sqrt(np.diag(matrix))
+    values = np.linalg.eigvalsh(matrix / root / root[:, None])[freedoms:]
+    if not values.size:
+        return float("nan")
+    least = values.size * np.finfo(float).eps * values[-1]
+    return float(values[-1] / values[0]) if values[0] > least else float("inf")
+
+
+def row(case: str, table: Table, model: str, settings: Solver, starts: int) -> dict:
+    """One row of the table: over the channels all statuses, the largest values, all seconds."""
+    entry = dict.fromkeys(COLUMNS) | {"case": case, "variant": model, "solver": settings.method}
+    try:
+        fit = fitted(table, model, settings, starts)
+    except NpfmError as error:
+        return entry | {"status": f"refused: {error}"}
+    if wrong := violations(table, fit):
+        raise AssertionError(f"{case}, {model}, {settings.method}: {'; '.join(wrong)}")
+    conditions = []
+    for channel in range(3):
+        samples = channel_samples(table, channel, Objective())
+        units = dict.fromkeys(("rho_d", "rho_s", "B", "U"), samples.scale)
+        p = {key: a[channel].astype(float) / units.get(key, 1) for key, a in fit.parameters.items()}
+        conditions.append(condition(model, samples, p))
+    return entry | {
+        "status": " / ".join(dict.fromkeys(record.status for record in fit.records)),
+        "finite": True,
+        "objective": max(record.objective for record in fit.records),
+        "objective_floor": max(record.objective_floor for record in fit.records),
+        "condition": pd.Series(conditions).max(),
+        "seconds": sum(record.seconds for record in fit.records),
+    }
+
+
+def main() -> None:
+    """Make the rows of one case, or gather those of several."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    verbs = parser.add_subparsers(dest="verb", required=True)
+    case = verbs.add_parser("case", help="fit one case")
+    case.add_argument("case", choices=CASES)
+    case.add_argument("--starts", type=int, default=8, help="of independent-g")
+    case.add_argument("--awls-iterations", type=int, default=60, help="cap on a start of awls")
+    gather = verbs.add_parser("gather", help="join tables")
+    gather.add_argument("tables", nargs="+")
+    for verb in (case, gather):
+        verb.add_argument("-o", "--output", required=True, help="CSV to write")
+    arguments = parser.parse_args()
+    if arguments.verb == "gather":
+        table = pd.concat([pd.read_csv(path) for path in arguments.tables])
+    else:
+        table = _case(arguments)
+    tables.write(arguments.output, table)
+
+
+def _case(arguments: argparse.Namespace) -> pd.DataFrame:
+    warnings.simplefilter("error")
+    measured, caps = CASES[arguments.case](MERL), {"awls": arguments.awls_iterations}
+    rows = []
+    for model, method in runs():
+        cap = caps.get(method, Solver.max_iterations)
+        settings = Solver(method or Solver.method, max_iterations=cap)
+        entry = row(arguments.case, measured, model, settings, arguments.starts)
+        rows.append(entry | {"solver": method})
+        print(*rows[-1].values(), file=sys.stderr, flush=True)
+    return pd.DataFrame(rows, columns=COLUMNS)
+
+
+if __name__ == "__main__":
+    main()
