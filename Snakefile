@@ -43,6 +43,7 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/reproduction.smk"
 include: "workflow/rules/accuracy_cost.smk"
 include: "workflow/rules/effects.smk"
+include: "workflow/rules/stability.smk"
 
 
 rule all:

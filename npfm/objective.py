@@ -212,34 +212,6 @@ def _typical(value: NDArray, weight: NDArray) -> float:
     return median or 1.0
 
 
-def degeneracy(samples: Samples) -> str | None:
-    """What makes many fits of the samples equally good, or None.
-
-    Parameters
-    ----------
-    samples : Samples
-        Not folded, so that each is a measurement.
-
-    Returns
-    -------
-    str or None
-        In words, for the status of a fit.
-    """
-    counts = samples.weight > 0
-    value = samples.value[counts]
-    if value.size == 1:
-        return "one sample"
-    if not value.any():
-        return "every sample is 0"
-    if np.ptp(value) <= EQUAL * value.max():
-        return "all samples are equal"
-    for axis, name in ((0, "theta_h"), (1, "theta_d")):
-        other = tuple({0, 1, 2} - {axis})
-        if np.count_nonzero(counts.any(other)) == 1:
-            return f"samples in one bin of {name} only"
-    return None
-
-
 def fold(samples: Samples) -> Samples:
     """Merge each sample with the one that has light and view exchanged.
 
@@ -261,6 +233,25 @@ def fold(samples: Samples) -> Samples:
     floor = float(np.sum(w1 * (w2 / safe) * (r1 - r2) ** 2))
     value = (w1 * r1 + w2 * r2) / safe
     return Samples(weight, value, samples.scale, samples.floor + floor, samples.grid)
+
+
+def degeneracy(samples: Samples) -> str | None:
+    """What makes many fits of folded samples equally good, in words for the status, or None."""
+    counts, top = samples.weight > 0, samples.value.max()
+    number = np.count_nonzero(counts)
+    if number == 1:
+        return "one sample"
+    if top == 0:
+        return "every sample is 0"
+    if np.count_nonzero(samples.value >= (1 - EQUAL) * top) == number and (
+        samples.floor <= EQUAL * samples.energy
+    ):
+        return "all samples are equal"
+    seen = counts.any(-1)
+    for axis, name in ((1, "theta_h"), (0, "theta_d")):
+        if np.count_nonzero(seen.any(axis)) == 1:
+            return f"samples in one bin of {name} only"
+    return None
 
 
 def evaluate(samples: Samples, model: NDArray) -> float:

@@ -108,12 +108,12 @@ def one_theta_h_row(grid: Grid = MERL) -> Table:
 
 def nan_entries(grid: Grid = MERL) -> Table:
     """An ordinary material with a few NaN."""
-    return _table(grid, np.where(_some(grid, 4, 0.001), np.nan, _glossy(grid)))
+    return _table(grid, np.where(_some(grid, 4, 0.01), np.nan, _glossy(grid)))
 
 
 def infinite_entries(grid: Grid = MERL) -> Table:
     """An ordinary material with a few infinities."""
-    return _table(grid, np.where(_some(grid, 5, 0.001), np.inf, _glossy(grid)))
+    return _table(grid, np.where(_some(grid, 5, 0.01), np.inf, _glossy(grid)))
 
 
 def negative_entries(grid: Grid = MERL) -> Table:
@@ -153,15 +153,20 @@ def vanishing_masking_shadowing(grid: Grid = MERL) -> Table:
 def narrow_lobe(grid: Grid = MERL) -> Table:
     """D so narrow that Smith's integral meets one bin of it; less than any measurement's error."""
     lobe = np.exp(-_tan2(grid) / np.tan(grid.theta_h[0]) ** 2)
-    return _table(grid, *(d + s * lobe * _fresnel(grid, 0.6) for d, s in ((0, 1e5), (0.2, 1e3), (1, 1))))
+    return _table(
+        grid, *(d + s * lobe * _fresnel(grid, 0.6) for d, s in ((0, 1e5), (0.2, 1e3), (1, 1)))
+    )
 
 
 def heavy_tail(grid: Grid = MERL) -> Table:
     """D with a tail so long that the variance of its slopes diverges (GTR, gamma 1.5 and less)."""
-    return _table(grid, *(
-        0.01 + 10 * _fresnel(grid, 0.5) / (1 + _tan2(grid) / 0.1**2) ** gamma
-        for gamma in (2.0, 1.5, 1.0)
-    ))
+    return _table(
+        grid,
+        *(
+            0.01 + 10 * _fresnel(grid, 0.5) / (1 + _tan2(grid) / 0.1**2) ** gamma
+            for gamma in (2.0, 1.5, 1.0)
+        ),
+    )
 
 
 def two_identical_lobes(grid: Grid = MERL) -> Table:
@@ -173,7 +178,9 @@ def noise(grid: Grid = MERL) -> Table:
     """Noise without a signal: uniform, exponential, and over ten decades."""
     rng = np.random.default_rng(12)
     shape = grid.shape
-    return _table(grid, rng.random(shape), rng.exponential(size=shape), 10.0 ** rng.uniform(-5, 5, shape))
+    return _table(
+        grid, rng.random(shape), rng.exponential(size=shape), 10.0 ** rng.uniform(-5, 5, shape)
+    )
 
 
 def _some(grid: Grid, seed: int, share: float) -> NDArray[np.bool_]:
@@ -183,9 +190,25 @@ def _some(grid: Grid, seed: int, share: float) -> NDArray[np.bool_]:
 CASES: dict[str, Callable[..., Table]] = {
     case.__name__.replace("_", "-"): case
     for case in (
-        perfect_mirror, black, one_black_channel, constant, twelve_decades,
-        all_of_double_precision, too_dark_to_store, single_sample, one_theta_h_row, nan_entries,
-        infinite_entries, negative_entries, only_grazing, outliers, channels_apart,
-        vanishing_masking_shadowing, narrow_lobe, heavy_tail, two_identical_lobes, noise,
+        perfect_mirror,
+        black,
+        one_black_channel,
+        constant,
+        twelve_decades,
+        all_of_double_precision,
+        too_dark_to_store,
+        single_sample,
+        one_theta_h_row,
+        nan_entries,
+        infinite_entries,
+        negative_entries,
+        only_grazing,
+        outliers,
+        channels_apart,
+        vanishing_masking_shadowing,
+        narrow_lobe,
+        heavy_tail,
+        two_identical_lobes,
+        noise,
     )
 }

@@ -1,7 +1,7 @@
 """The table of docs/stability.md: every hard case, fitted by every model and solver.
 
-    python tests/stability.py case constant -o constant.csv
-    python tests/stability.py gather constant.csv black.csv -o stability.csv
+    python tests/stability.py fit naive --starts 8 --awls-iterations 60 -o naive.csv
+    python tests/stability.py gather naive.csv g-from-d.csv -o stability.csv
 
 A run fails if a warning is raised, or if what must hold of every fit does not.
 """
@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from npfm import tables, variants
 from npfm.errors import NpfmError
 from npfm.fits import Fit
-from npfm.grid import MERL
 from npfm.merl import Table
 from npfm.models.bivariate_g import BivariateGProblem
 from npfm.models.channels import STORED
@@ -170,37 +169,43 @@ def row(case: str, table: Table, model: str, settings: Solver, starts: int) -> d
     }
 
 
+def rows(model: str, starts: int, awls_iterations: int) -> Iterator[dict]:
+    """All cases on MERL's grid, by one model and each solver."""
+    methods = [method for name, method in runs() if name == model]
+    for case, method in product(CASES, methods):
+        cap = awls_iterations if method == "awls" else Solver.max_iterations
+        settings = Solver(method or Solver.method, max_iterations=cap)
+        entry = row(case, CASES[case](), model, settings, starts) | {"solver": method}
+        print(*entry.values(), file=sys.stderr, flush=True)
+        yield entry
+
+
+def gathered(paths: list[str]) -> pd.DataFrame:
+    """Join tables, sorted by case."""
+    table = pd.concat([pd.read_csv(path, keep_default_na=False) for path in paths])
+    order = {case: place for place, case in enumerate(CASES)}
+    return table.sort_values("case", key=lambda cases: cases.map(order), kind="stable")
+
+
 def main() -> None:
-    """Make the rows of one case, or gather those of several."""
+    """Make the rows of one model, or gather those of several."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     verbs = parser.add_subparsers(dest="verb", required=True)
-    case = verbs.add_parser("case", help="fit one case")
-    case.add_argument("case", choices=CASES)
-    case.add_argument("--starts", type=int, default=8, help="of independent-g")
-    case.add_argument("--awls-iterations", type=int, default=60, help="cap on a start of awls")
+    fit = verbs.add_parser("fit", help="fit all cases by a model")
+    fit.add_argument("model", choices=variants.MODELS)
+    fit.add_argument("--starts", type=int, required=True, help="of independent-g")
+    fit.add_argument("--awls-iterations", type=int, required=True, help="cap on a start of awls")
     gather = verbs.add_parser("gather", help="join tables")
     gather.add_argument("tables", nargs="+")
-    for verb in (case, gather):
+    for verb in (fit, gather):
         verb.add_argument("-o", "--output", required=True, help="CSV to write")
-    arguments = parser.parse_args()
-    if arguments.verb == "gather":
-        table = pd.concat([pd.read_csv(path) for path in arguments.tables])
-    else:
-        table = _case(arguments)
-    tables.write(arguments.output, table)
-
-
-def _case(arguments: argparse.Namespace) -> pd.DataFrame:
+    a = parser.parse_args()
     warnings.simplefilter("error")
-    measured, caps = CASES[arguments.case](MERL), {"awls": arguments.awls_iterations}
-    rows = []
-    for model, method in runs():
-        cap = caps.get(method, Solver.max_iterations)
-        settings = Solver(method or Solver.method, max_iterations=cap)
-        entry = row(arguments.case, measured, model, settings, arguments.starts)
-        rows.append(entry | {"solver": method})
-        print(*rows[-1].values(), file=sys.stderr, flush=True)
-    return pd.DataFrame(rows, columns=COLUMNS)
+    if a.verb == "gather":
+        table = gathered(a.tables)
+    else:
+        table = pd.DataFrame(rows(a.model, a.starts, a.awls_iterations), columns=COLUMNS)
+    tables.write(a.output, table)
 
 
 if __name__ == "__main__":

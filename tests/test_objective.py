@@ -17,6 +17,7 @@ from npfm.objective import (
     compressed,
     compressive_weight,
     counted,
+    degeneracy,
     evaluate,
     fold,
     importance,
@@ -167,6 +168,67 @@ def test_black_has_the_unit_1_per_sr():
     assert samples.scale == 1
     assert samples.energy == 0
     assert np.isfinite(samples.weight).all()
+
+
+@pytest.mark.parametrize("dark", [0.0, 1e-300, 1e-13])
+def test_where_most_is_black_the_unit_is_that_of_the_rest(dark):
+    """One cell in eight is not black: the unit is their median, and grows with the table."""
+    bright = np.arange(SMALL.cells).reshape(SMALL.shape) % 8 == 0
+    table = measured(SMALL, missing=0)
+    values = np.where(bright | ~SMALL.above_horizon, table.values, dark)
+    samples = channel_samples(Table(values, SMALL), 0, Objective())
+    rest = np.where(bright, table.values, -1)
+    assert samples.scale == channel_samples(Table(rest, SMALL), 0, Objective()).scale
+    brighter = np.where(values >= 0, 2.0**40 * values, -1)
+    other = channel_samples(Table(brighter, SMALL), 0, Objective())
+    assert other.scale == 2.0**40 * samples.scale
+    assert (other.weight == samples.weight).all()
+
+
+@pytest.mark.parametrize("compressive", [True, False])
+def test_no_table_overflows(compressive):
+    """From 1e-300 to 1e300, which no square in double precision holds."""
+    rng = np.random.default_rng(3)
+    values = 10.0 ** rng.uniform(-300, 300, (3, *SMALL.shape))
+    folded = fold(channel_samples(Table(values, SMALL), 0, Objective(compressive)))
+    assert np.isfinite([folded.floor, folded.energy]).all()
+    assert 0 < folded.floor < folded.energy
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
+def test_what_is_no_number_is_refused(wrong):
+    table = measured(SMALL)
+    table.values[1, 3, 4, 5] = wrong
+    with pytest.raises(NpfmError, match="green channel has entries that are NaN or infinite"):
+        channel_samples(table, 1, Objective())
+    assert channel_samples(table, 0, Objective()).energy > 0
+
+
+@pytest.mark.parametrize("angle", [0, -5, 90, np.nan, np.inf])
+def test_an_angle_that_leaves_nothing_is_refused(angle):
+    with pytest.raises(NpfmError, match="largest angle"):
+        Objective(max_angle=angle)
+
+
+def only(where, values=None):
+    """Samples where a condition on the indices of a cell holds."""
+    cells = np.broadcast_to(where(*np.indices(SMALL.shape)), (3, *SMALL.shape))
+    values = measured(SMALL, missing=0).values if values is None else values
+    table = Table(np.where(cells, values, -1), SMALL)
+    return fold(channel_samples(table, 0, Objective()))
+
+
+def test_degenerate_samples_are_told_from_others():
+    one = np.ones((3, *SMALL.shape))
+    assert degeneracy(only(lambda h, d, p: (h == 3) & (d == 4) & (p == 5))) == "one sample"
+    assert degeneracy(only(lambda h, d, p: h >= 0, 0 * one)) == "every sample is 0"
+    assert degeneracy(only(lambda h, d, p: h >= 0, 0.3 * one)) == "all samples are equal"
+    assert degeneracy(only(lambda h, d, p: h == 3)) == "samples in one bin of theta_h only"
+    assert degeneracy(only(lambda h, d, p: d == 3)) == "samples in one bin of theta_d only"
+    assert degeneracy(only(lambda h, d, p: (h == 3) | (d == 3))) is None
+    # What only differs between a sample and its mirror image is not all equal.
+    mirrored = 1.0 + (SMALL.cosines[0] > SMALL.cosines[1]) * one
+    assert degeneracy(only(lambda h, d, p: h >= 0, mirrored)) is None
 
 
 def test_scaling_the_table_scales_the_unit_only():

@@ -69,7 +69,7 @@ def fit_channels(
         best = result.traces[0]
         energy = folded.energy or 1.0
         fitted.append(_stored(result.parameters, folded.scale, coefficients, name))
-        degenerate = degeneracy(samples)
+        degenerate = degeneracy(folded)
         records.append(
             ChannelRecord(
                 channel=name,

@@ -91,7 +91,7 @@ class Solver:
     def __post_init__(self) -> None:
         if not 0 < self.tolerance < float("inf"):
             raise NpfmError(
-                f"a tolerance of {self.tolerance:g} stops no run; give a number above 0, such as 1e-5"
+                f"a tolerance of {self.tolerance:g} stops no run; give a number above 0"
             )
         if self.max_iterations < 1:
             raise NpfmError(f"{self.max_iterations} iterations fit nothing; give 1 or more")

@@ -38,6 +38,7 @@ CONFIG = {
         "samples": [2, 4],
         "reference_samples": 16,
     },
+    "stability": {"starts": 1, "awls_iterations": 2},
 }
 
 
