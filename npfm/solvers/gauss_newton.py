@@ -17,6 +17,8 @@ from npfm.solvers.problem import ROUNDING, Problem, S, Solver
 #: Several starts are compared on every n-th bin of phi_d, to so many times the tolerance.
 COARSE, COARSE_TOLERANCE = 6, 10.0
 LEAST_DAMPING, MOST_DAMPING = 1e-10, 1e8
+#: Starts that differ by no more than this share of the energy are equally good: the first goes on.
+TIE = 1e-12
 #: Damping is divided by this after a step that helps, and multiplied by it after one that does not.
 EASE, TIGHTEN = 5.0, 4.0
 #: Iterations in a row that hardly lower the objective, before a run is called converged.
@@ -40,7 +42,8 @@ def solve(problem: Problem[S], starts: Mapping[str, S], settings: Solver) -> tup
         name: minimise(coarse, name, coarse.unpack(problem.pack(start)), loose)
         for name, start in starts.items()
     }
-    best = min(runs, key=lambda name: runs[name][1].objective[-1])
+    reached = {name: trace.objective[-1] for name, (_, trace) in runs.items()}
+    best = next(name for name in runs if reached[name] <= min(reached.values()) + TIE)
     traces = {name: trace for name, (_, trace) in runs.items()}
     state = problem.unpack(coarse.pack(runs[best][0]))
     state, traces[best] = minimise(problem, best, state, settings, traces[best])
