@@ -15,7 +15,7 @@ from stability import fitted, row, runs, violations
 from npfm import assembly, transport, variants
 from npfm.errors import NpfmError
 from npfm.grid import Grid
-from npfm.lights.generated import generate
+from npfm.lights.environment import Environment
 from npfm.merl import CHANNELS, INVALID, Table, write_binary
 from npfm.metrics import psnr
 from npfm.models import channels
@@ -99,7 +99,8 @@ def test_scaled_and_permuted_channels_scale_and_permute_the_fit(exact, case, mod
 
 @pytest.fixture(scope="module")
 def scene():
-    return assembly.build(Scene(("sphere",), ()), generate("grove", 16), GRID, 10, 64, 1)
+    light = Environment(np.random.default_rng(2).uniform(0, 1, (8, 16, 3)) ** 8)
+    return assembly.build(Scene(("sphere",), ()), light, GRID, 10, 64, 1)
 
 
 @every_case

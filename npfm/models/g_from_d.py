@@ -1,17 +1,24 @@
 """The microfacet model with G derived from D by Smith shadowing (Bagher et al. 2016, sec. 4.3)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fits import Fit
+from npfm.fits import Fit, Trace
 from npfm.grid import Grid
 from npfm.merl import Table
 from npfm.models.channels import ChannelFit, as_table, fit_channels
 from npfm.models.factors import SMALLEST, Factors, State, filled, updated_D, updated_F
-from npfm.models.microfacet import G_THETA, MicrofacetProblem, compiled, tabulate_channel
+from npfm.models.microfacet import (
+    G_NODES,
+    G_THETA,
+    MicrofacetProblem,
+    compiled,
+    tabulate_channel,
+)
 from npfm.models.slices import factors_of_slices
 from npfm.models.smith import log_derivative, masking_shadowing
 from npfm.objective import Objective, Samples
@@ -20,6 +27,7 @@ from npfm.solvers.problem import Solve
 NAME = "g-from-d"
 COEFFICIENTS = ("rho_d", "rho_s")
 CLAMP = 0.0  # "we simply clamp negative factor components to 0" (section 4.3)
+STARTS = 2  # the paper has one
 #: Updates of F and the coefficients for one of D, which alone needs a pass over the samples.
 INNER_SWEEPS = 5
 
@@ -92,14 +100,28 @@ def parameter_count(grid: Grid) -> int:
     return 3 * (grid.theta_h_bins + grid.theta_d_bins + 2)
 
 
-def fit_samples(samples: Samples, solve: Solve) -> tuple[State, list]:
-    """Fit one channel of folded samples in a single run, from its slices."""
+def _starts(problem: GFromDProblem) -> Iterator[tuple[str, State]]:
+    """Two starts by name: the slices of section 5 of the paper, and D and F fitted to G = 1.
+
+    The tail of a mirror's slices is noise, and the G that follows from it falls far too early, from
+    where no step leads back; with G = 1 the tail is found first.
+    """
+    D, F = factors_of_slices(problem.samples)
+    yield "slices", problem.start(D, F)
+    flat = np.ones(G_NODES)
+    state = State(Factors(D, F, flat, 0.0, 0.0), problem.sums(flat)).with_coefficients()
+    fitted = problem.warmed_up(state).factors
+    yield "slices-flat", problem.start(fitted.D, fitted.F)
+
+
+def fit_samples(samples: Samples, solve: Solve, starts: int = STARTS) -> tuple[State, list[Trace]]:
+    """Fit one channel of folded samples from the first of its starts."""
     problem = GFromDProblem(samples)
-    return solve(problem, {"slices": problem.start(*factors_of_slices(samples))})
+    return solve(problem, dict(islice(_starts(problem), starts)))
 
 
 def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
-    """Fit the model in a single run as in the paper, from two slices of the table.
+    """Fit the model from two starts and keep the better.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ from npfm.grid import Grid
 from npfm.merl import Table
 from npfm.models import g_from_d
 from npfm.models.channels import ChannelFit, as_table, fit_channels
-from npfm.models.factors import State, updated_D, updated_F
+from npfm.models.factors import State
 from npfm.models.microfacet import (
     G_NODES,
     G_THETA,
@@ -35,8 +35,6 @@ STARTS, RANDOM_STARTS = 8, 4  # section 5
 SMOOTHING = 1.0
 #: Updates of D, F and the coefficients for one of G, which alone needs passes over the samples.
 INNER_SWEEPS = 5
-#: Updates of D, F and the coefficients that every start begins with, its G held.
-WARM_UP_SWEEPS = 20
 
 
 class IndependentGProblem(MicrofacetProblem):
@@ -46,26 +44,9 @@ class IndependentGProblem(MicrofacetProblem):
         super().__init__(samples, clamp, every)
 
     @property
-    def _inner(self) -> tuple[Callable[[State], State], ...]:
-        return (
-            lambda state: updated_D(state, CLAMP),
-            lambda state: updated_F(state, CLAMP),
-            State.with_coefficients,
-        )
-
-    def warmed_up(self, state: State) -> State:
-        """Return the state after updates of all but G, which cost next to nothing."""
-        for update in self._inner * WARM_UP_SWEEPS:
-            candidate = update(state)
-            if self.objective(candidate) > self.objective(state):
-                break
-            state = candidate
-        return self.normalised(state)
-
-    @property
     def stages(self) -> tuple[tuple[Callable[[State], State], ...], ...]:
         """G smoothed as in the paper, then a second stage without: smoothing has its own error."""
-        inner = self._inner * INNER_SWEEPS
+        inner = self.inner * INNER_SWEEPS
         return (
             (*inner, lambda state: self._updated_G(state, SMOOTHING)),
             (*inner, lambda state: self._updated_G(state, 0.0)),
@@ -157,7 +138,9 @@ def fit(
     def fit_channel(samples: Samples, channel: int) -> ChannelFit:
         problem = IndependentGProblem(samples)
         # Every channel sees the same starts, so that permuting channels permutes fits.
-        named = start_states(problem, lambda: g_from_d.fit_samples(samples, solve)[0], seed)
+        named = start_states(
+            problem, lambda: g_from_d.fit_samples(samples, solve, starts=1)[0], seed
+        )
         state, traces = solve(problem, dict(islice(named, starts)))
         f = state.factors
         parameters = {"D": f.D, "F": f.F, "G": f.third, "rho_d": f.rho_d, "rho_s": f.rho_s}

@@ -7,6 +7,7 @@ Numba and parts of SciPy take half a second to import. Only functions that fit i
 a job that renders a fit does not wait for them.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from types import ModuleType
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.grid import Grid
-from npfm.models.factors import FactorProblem, State, Sums
+from npfm.models.factors import FactorProblem, State, Sums, updated_D, updated_F
 from npfm.objective import Samples
 
 Array = NDArray[np.float64]
@@ -23,6 +24,8 @@ Array = NDArray[np.float64]
 #: Nodes of G: 90, at the centres of one-degree bins of theta_i and theta_o (section 4.3).
 G_NODES = 90
 G_THETA = (np.arange(G_NODES) + 0.5) / G_NODES * np.pi / 2
+#: Updates of D, F and the coefficients with which a start is fitted to its G.
+WARM_UP_SWEEPS = 20
 #: How strongly components of G that hardly any sample sees are held where they are.
 PROXIMAL = 1e-9
 
@@ -123,6 +126,24 @@ class MicrofacetProblem(FactorProblem):
     def thinned(self, every: int) -> "MicrofacetProblem":
         """Return the same fit on every n-th bin of phi_d."""
         return type(self)(self._unthinned, self.clamp, every)
+
+    @property
+    def inner(self) -> tuple[Callable[[State], State], ...]:
+        """AWLS updates of all but G, which cost next to nothing."""
+        return (
+            lambda state: updated_D(state, self.clamp),
+            lambda state: updated_F(state, self.clamp),
+            State.with_coefficients,
+        )
+
+    def warmed_up(self, state: State) -> State:
+        """Return the state after updates of all but G, as long as they help."""
+        for update in self.inner * WARM_UP_SWEEPS:
+            candidate = update(state)
+            if self.objective(candidate) > self.objective(state):
+                break
+            state = candidate
+        return self.normalised(state)
 
     @property
     def _arrays(self) -> tuple[NDArray, ...]:

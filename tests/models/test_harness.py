@@ -23,7 +23,7 @@ STARTS = {
         "slices",
         "slices-smith",
     },
-    "g-from-d": {"slices"},
+    "g-from-d": {"slices", "slices-flat"},
     "naive": {"ones"},
     "bivariate": {"closed form"},
 }
