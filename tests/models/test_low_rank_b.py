@@ -12,7 +12,7 @@ from npfm.datasets import neural
 from npfm.errors import NpfmError
 from npfm.merl import Table
 from npfm.models import bivariate_g, low_rank_b
-from npfm.models.low_rank_b import Compressor
+from npfm.models.low_rank_b import Compressor, Equations
 from npfm.objective import Objective, channel_samples, evaluate, fold
 from npfm.solvers.problem import Solver
 
@@ -129,3 +129,18 @@ def test_weights_are_needed(data, name, gain):
     found = best(compressor, 4)[1].objective[-1]
     assert gain * found < relative(problem, truncated(free, 4))
     assert relative(problem, free) < found < 1.3 * relative(problem, free)
+
+
+def test_a_row_without_weight_leaves_the_equations_solvable():
+    """Its system is singular: it takes the shortest solution, the other rows keep theirs."""
+    rng = np.random.default_rng(1)
+    wkk, wrk, wk = rng.uniform(1, 2, (3, 5, 6))
+    V = np.linalg.qr(rng.standard_normal((6, 2)))[0]
+    for array in (wkk, wrk, wk):
+        array[3] = 0
+    found = Equations(wkk, wrk, wk, 100.0, 1.0).solved(V)
+    rows = [0, 1, 2, 4]
+    assert (found[3] == 0).all()
+    assert np.isfinite(found).all()
+    alone = Equations(wkk[rows], wrk[rows], wk[rows], 100.0, 1.0).solved(V)
+    np.testing.assert_allclose(found[rows], alone, rtol=1e-10)

@@ -5,10 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from npfm import variants
 from npfm.angles import directions
+from npfm.datasets import synthetic
 from npfm.grid import MERL, Grid
 from npfm.merl import Table
-from npfm.models import kernels
+from npfm.models import g_from_d, kernels
 from npfm.models.factors import Factors, State
 from npfm.models.g_from_d import GFromDProblem
 from npfm.models.independent_g import IndependentGProblem
@@ -16,6 +18,7 @@ from npfm.models.microfacet import G_NODES, G_THETA, elevations, kernel, tabulat
 from npfm.models.naive import NaiveProblem
 from npfm.models.smith import masking_shadowing
 from npfm.objective import Objective, channel_samples, evaluate, fold
+from npfm.solvers.problem import Solver
 
 
 def microfacet(grid, D, F, G, rho_d, rho_s):
@@ -281,3 +284,17 @@ def test_g_of_d_between_states_is_that_of_the_d_between(table):
     assert problem.objective(middle) == pytest.approx(
         evaluate(problem.samples, values(problem, middle)), rel=1e-11
     )
+
+
+def test_g_from_d_finds_the_tail_of_a_mirror():
+    """From its slices alone it ends where G, and with it the whole lobe, is wrong."""
+    mirror = synthetic.load("mirror-metal", 1)
+    thin = Table(np.ascontiguousarray(mirror.values[:, 1::3, 1::3, 1::3]), Grid(30, 30, 60))
+    samples = fold(channel_samples(thin, 0, Objective()))
+    reached = {
+        count: g_from_d.fit_samples(samples, variants.solver(Solver()), starts=count)[1][0]
+        for count in (1, 2)
+    }
+    assert reached[1].objective[-1] > 0.02
+    assert reached[2].objective[-1] < 0.002
+    assert reached[2].start == "slices-flat"
