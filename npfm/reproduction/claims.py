@@ -126,7 +126,7 @@ TOPICS = (
         "Compressive weighting",
         ("figure07", "figure15"),
         (
-            *tuple(
+            *(
                 claim
                 for model in ("independent-g", "g-from-d", "naive")
                 for claim in (

@@ -198,6 +198,8 @@ def _gain_by_weight(
     means = evidence.weighting.groupby(["material", "variant"])["psnr_db"].mean().unstack()
     weighted = means.columns.intersection([f"{model}-to-{max_angle}-weighted", model])
     without = f"{model}-to-{max_angle}-unweighted"
+    if not materials:
+        raise Untestable("the run has too few materials with and without the compressive weight")
     if weighted.empty or without not in means:
         raise Untestable(f"the run has no {model} with and without the compressive weight")
     return (means[weighted[0]] - means[without]).reindex(materials)

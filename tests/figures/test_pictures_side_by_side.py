@@ -84,16 +84,16 @@ def corner_labels(figure):
     return [[text.get_text() for text in ax.texts] for ax in pictures(figure)]
 
 
-def figures(run, psnr):
+def drawn(run, psnr, name):
     non_parametric = ["independent-g", "naive"]
     return {
-        "figure09": figure09.draw(run, psnr, non_parametric, ["nylon", "chrome"]),
-        "figure10": figure10.draw(run, psnr, non_parametric),
-        "figure11": figure11.draw(run, psnr, ["independent-g", "bivariate"]),
-        "figure12": figure12.draw(run, psnr, ["independent-g", "abc-e2"], ["nylon"]),
-        "figure13": figure13.draw(run, psnr, ["independent-g", "tucker-20"], ["nylon"]),
-        "figure14": figure14.draw(run, psnr, ["independent-g", "abc-e2"], ["nylon"]),
-    }
+        "figure09": lambda: figure09.draw(run, psnr, non_parametric, ["nylon", "chrome"]),
+        "figure10": lambda: figure10.draw(run, psnr, non_parametric),
+        "figure11": lambda: figure11.draw(run, psnr, ["independent-g", "bivariate"]),
+        "figure12": lambda: figure12.draw(run, psnr, ["independent-g", "abc-e2"], ["nylon"]),
+        "figure13": lambda: figure13.draw(run, psnr, ["independent-g", "tucker-20"], ["nylon"]),
+        "figure14": lambda: figure14.draw(run, psnr, ["independent-g", "abc-e2"], ["nylon"]),
+    }[name]()
 
 
 def test_measurement_and_fits_stand_side_by_side_with_their_decibels(run, psnr):
@@ -123,7 +123,7 @@ def test_no_text_is_clipped_or_covered_by_text(run, psnr, number, gap):
     if gap:
         for variant in ("naive", "bivariate", "abc-e2", "tucker-20"):
             psnr = without(psnr, variant, "chrome")
-    figure = figures(run, psnr)[f"figure{number:02}"]
+    figure = drawn(run, psnr, f"figure{number:02}")
     with style.context():
         figure.draw_without_rendering()
     texts = [text for text in figure.findobj(Text) if text.get_text() and text.get_visible()]
@@ -134,13 +134,18 @@ def test_no_text_is_clipped_or_covered_by_text(run, psnr, number, gap):
         assert not touched, (texts[k], touched)
 
 
+@pytest.mark.parametrize("number", range(9, 15))
+@pytest.mark.mpl_image_compare(style=["default", style.SETTINGS], savefig_kwargs={"dpi": 50})
+def test_it_looks_as_it_did(run, psnr, number):
+    return drawn(run, psnr, f"figure{number:02}")
+
+
 def test_the_same_pictures_give_the_same_bytes(run, psnr, tmp_path):
     names = ["figure09.png", "figure12.pdf", "figure14.pdf"]
     written = []
     for _ in range(2):
-        drawn = figures(run, psnr)
         for name in names:
-            style.save(drawn[name.partition(".")[0]], [tmp_path / name])
+            style.save(drawn(run, psnr, name.partition(".")[0]), [tmp_path / name])
         written.append([(tmp_path / name).read_bytes() for name in names])
     assert written[0] == written[1]
 
