@@ -21,7 +21,7 @@ from npfm.figures import (
     scores,
     style,
 )
-from npfm.figures.compared import compared
+from npfm.figures.compared import OTHERS, compared
 from npfm.pictures import write_exr, write_png
 
 SIZE = 20
@@ -134,10 +134,10 @@ def test_no_text_is_clipped_or_covered_by_text(run, psnr, number, gap):
         assert not touched, (texts[k], touched)
 
 
-@pytest.mark.parametrize("number", range(9, 15))
+@pytest.mark.parametrize("name", OTHERS)
 @pytest.mark.mpl_image_compare(style=["default", style.SETTINGS], savefig_kwargs={"dpi": 50})
-def test_it_looks_as_it_did(run, psnr, number):
-    return drawn(run, psnr, f"figure{number:02}")
+def test_it_looks_as_it_did(run, psnr, name):
+    return drawn(run, psnr, name)
 
 
 def test_the_same_pictures_give_the_same_bytes(run, psnr, tmp_path):
