@@ -1,8 +1,9 @@
 """The configuration of a run, checked, and what follows from it for the workflow's rules."""
 
 import os
+import shlex
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,8 @@ import jsonschema
 import yaml
 
 from npfm import variants
-from npfm.datasets import directory, neural, synthetic
+from npfm.datasets import directory, fit_files, neural, synthetic
+from npfm.datasets.fit_files import FitFile
 from npfm.datasets.names import MERL_NAMES, select
 from npfm.errors import NpfmError, suggest
 from npfm.provenance import digest
@@ -23,12 +25,16 @@ SCHEMA = Path(__file__).parents[1] / "workflow" / "schemas" / "config.schema.yam
 
 @dataclass(frozen=True)
 class Variant:
-    """A model with the settings it is fitted with; `options` are those of ``npfm fit``."""
+    """A model with the settings it is fitted with; `options` are those of ``npfm fit``.
+
+    `published` is the file of a model whose parameters are read instead.
+    """
 
     name: str
     model: str
     solver: str
     options: str
+    published: str | None = None
 
 
 @dataclass(frozen=True)
@@ -43,11 +49,14 @@ class Run:
         Names of the materials, sorted.
     variants : dict of str to Variant
         In the order of the configuration.
+    missing : frozenset of (str, str)
+        Variants and materials that there are no parameters of: such fits are not made.
     """
 
     config: Mapping[str, Any]
     materials: tuple[str, ...]
     variants: Mapping[str, Variant]
+    missing: frozenset[tuple[str, str]] = frozenset()
 
     @property
     def folder(self) -> str:
@@ -73,6 +82,21 @@ class Run:
             for name, described in self.config["scenes"].items()
             for warning in _scene(described).warnings
         ]
+
+    def variants_of(self, material: str) -> list[str]:
+        """Names of the variants that there is a fit of for a material, in order."""
+        return [name for name in self.variants if (name, material) not in self.missing]
+
+    @property
+    def fits(self) -> list[tuple[str, str]]:
+        """All fits: material and variant."""
+        return [(name, variant) for name in self.materials for variant in self.variants_of(name)]
+
+    @property
+    def missing_option(self) -> str:
+        """Argument of ``npfm tables`` for the fits that there are not, if any."""
+        pairs = [f"{variant}/{name}" for variant, name in sorted(self.missing)]
+        return f"--missing {' '.join(pairs)}" if pairs else ""
 
     def user_file(self, path: str) -> str:
         """Return a path of the user's, relative ones starting from the key `data`."""
@@ -114,6 +138,11 @@ class Run:
         if model.solver:
             entries.append(f"npfm.solvers.{chosen.solver.replace('-', '_')}")
         return digest(tuple(entries), ("npfm.commands.fit",))
+
+    def published_inputs(self, variant: str) -> list[str]:
+        """Files that a variant reads published parameters from: one, or none."""
+        published = self.variants[variant].published
+        return [published] if published else []
 
     def render_code(self, variant: str) -> str:
         """Digest of the code that renders a variant, or the measurement."""
@@ -200,7 +229,8 @@ def check(config: Mapping[str, Any]) -> Run:
     if (scene := config["accuracy_cost"]["scene"]) not in config["scenes"]:
         hint = suggest(scene, config["scenes"])
         raise NpfmError(f"config: accuracy_cost/scene: unknown scene '{scene}'; {hint}")
-    return Run(config, tuple(select(config["dataset"]["materials"], _available(config))), named)
+    materials = tuple(select(config["dataset"]["materials"], _available(config)))
+    return Run(config, materials, named, _missing(named, materials))
 
 
 def _check_schema(config: Mapping[str, Any]) -> None:
@@ -245,15 +275,19 @@ def _variants(config: Mapping[str, Any]) -> dict[str, Variant]:
         if solver["method"] not in variants.SOLVERS:
             hint = suggest(solver["method"], variants.SOLVERS)
             raise NpfmError(f"config: solver: unknown solver '{solver['method']}'; {hint}")
+        published = _published_file(model, config)
         options = (
             f"--variant {entry['model']} --solver {solver['method']}"
             f" --tolerance {solver['tolerance']} --max-iterations {solver['max_iterations']}"
             + _own_settings(entry, solver, model)
+            + (f" --published {shlex.quote(published)}" if published else "")
             + f" --max-angle {objective['max_angle']}"
             + ("" if objective["compressive"] else " --no-compressive")
             + f" --seed {config['seed']}"
         )
-        named[entry["name"]] = Variant(entry["name"], entry["model"], solver["method"], options)
+        named[entry["name"]] = Variant(
+            entry["name"], entry["model"], solver["method"], options, published
+        )
     return named
 
 
@@ -268,6 +302,29 @@ def _own_settings(entry: Mapping[str, Any], solver: Mapping[str, Any], model: Mo
         if not isinstance(value, int | None):
             raise NpfmError(f"config: variants/{entry['name']}/{key}: give a whole number")
     return "".join(f" --{key} {value}" for key, value in given.items() if value is not None)
+
+
+def _published_file(model: Model, config: Mapping[str, Any]) -> str | None:
+    if not model.published:
+        return None
+    return str(Path(config["data"]) / config["published_fits"] / model.published["name"])
+
+
+def _missing(named: Mapping[str, Variant], materials: Sequence[str]) -> frozenset[tuple[str, str]]:
+    """Pairs of variant and material that a published file lacks."""
+    missing = set()
+    for variant in named.values():
+        if variant.published:
+            file = FitFile(**variants.declared(variant.model).published)
+            there = fit_files.read(variant.published, file)
+            absent = {(variant.name, name) for name in materials if name not in there}
+            if len(absent) == len(materials):
+                raise NpfmError(
+                    f"config: variants/{variant.name}: {variant.published} has none of the run's "
+                    "materials; leave this variant out"
+                )
+            missing |= absent
+    return frozenset(missing)
 
 
 def _available(config: Mapping[str, Any]) -> list[str]:

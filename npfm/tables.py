@@ -81,7 +81,11 @@ def read_published(path: str | Path) -> pd.DataFrame:
 
 
 def psnr(
-    run: str | Path, scenes: Sequence[str], materials: Sequence[str], variants: Sequence[str]
+    run: str | Path,
+    scenes: Sequence[str],
+    materials: Sequence[str],
+    variants: Sequence[str],
+    missing: Sequence[str] = (),
 ) -> pd.DataFrame:
     """Compare every picture of a run with that of the measurement.
 
@@ -91,6 +95,8 @@ def psnr(
         Folder that holds ``renders/<scene>/<material>/<variant>.exr`` and ``measured.exr``.
     scenes, materials, variants : sequence of str
         What counts.
+    missing : sequence of str
+        Pairs ``variant/material`` that do not.
 
     Returns
     -------
@@ -106,12 +112,18 @@ def psnr(
     pairs = tqdm(list(product(scenes, materials)), desc="psnr", unit="reference", disable=None)
     for scene, material in pairs:
         folder = Path(run) / "renders" / scene / material
-        values = decibels(folder / "measured.exr", [folder / f"{name}.exr" for name in variants])
-        rows += [(scene, material, *row) for row in zip(variants, values, strict=True)]
+        there = [name for name in variants if f"{name}/{material}" not in missing]
+        values = decibels(folder / "measured.exr", [folder / f"{name}.exr" for name in there])
+        rows += [(scene, material, *row) for row in zip(there, values, strict=True)]
     return pd.DataFrame(rows, columns=["scene", "material", "variant", "psnr_db"])
 
 
-def fits(run: str | Path, materials: Sequence[str], variants: Sequence[str]) -> pd.DataFrame:
+def fits(
+    run: str | Path,
+    materials: Sequence[str],
+    variants: Sequence[str],
+    missing: Sequence[str] = (),
+) -> pd.DataFrame:
     """Gather how every channel was fitted.
 
     Parameters
@@ -120,6 +132,8 @@ def fits(run: str | Path, materials: Sequence[str], variants: Sequence[str]) -> 
         Folder that holds ``fits/<variant>/<material>.npz`` and their records.
     materials, variants : sequence of str
         What counts.
+    missing : sequence of str
+        Pairs ``variant/material`` that do not.
 
     Returns
     -------
@@ -135,6 +149,7 @@ def fits(run: str | Path, materials: Sequence[str], variants: Sequence[str]) -> 
     return pd.DataFrame(
         {"material": material, "variant": variant, **_channel_row(channel)}
         for material, variant in product(materials, variants)
+        if f"{variant}/{material}" not in missing
         for channel in load_record(_fit_path(run, variant, material))["channels"]
     )
 
@@ -153,13 +168,26 @@ def _channel_row(channel: ChannelRecord) -> dict:
     }
 
 
-def sizes(run: str | Path, materials: Sequence[str], variants: Sequence[str]) -> pd.DataFrame:
+def sizes(run: str | Path, psnr: pd.DataFrame) -> pd.DataFrame:
     """Size of a fit of each variant: columns variant, parameters, bytes.
 
-    Of the largest, should the fits of a variant differ. Arguments and errors are those of `fits`.
+    Of the largest, should the fits of a variant differ.
+
+    Parameters
+    ----------
+    run : str or Path
+        Folder that holds ``fits/<variant>/<material>.npz`` and their records.
+    psnr : DataFrame
+        As `psnr` makes it: the variants and materials that count.
+
+    Raises
+    ------
+    NpfmError
+        If a record is missing or is none.
     """
     rows = []
-    for variant in variants:
+    for variant, pictures in psnr.groupby("variant", sort=False):
+        materials = pictures["material"].unique()
         records = [load_record(_fit_path(run, variant, material)) for material in materials]
         rows.append((variant, *(max(r[key] for r in records) for key in ("parameters", "bytes"))))
     return pd.DataFrame(rows, columns=["variant", "parameters", "bytes"])
@@ -207,11 +235,16 @@ def summary(psnr: pd.DataFrame, sizes: pd.DataFrame) -> pd.DataFrame:
     -------
     DataFrame
         One row a variant and scene, and one with the scene ``all`` over all pictures, which is
-        the average that the paper prints. An infinite PSNR makes a mean infinite.
+        the average that the paper prints. An infinite PSNR makes a mean infinite. Means are over
+        so many `materials`, which differ where a variant has no fit of some.
     """
     over_all = psnr.assign(scene="all")
-    groups = pd.concat([psnr, over_all]).groupby(["variant", "scene"], sort=False)["psnr_db"]
-    table = groups.agg(mean_psnr_db="mean", median_psnr_db="median").reset_index()
+    groups = pd.concat([psnr, over_all]).groupby(["variant", "scene"], sort=False)
+    table = groups.agg(
+        materials=("material", "nunique"),
+        mean_psnr_db=("psnr_db", "mean"),
+        median_psnr_db=("psnr_db", "median"),
+    ).reset_index()
     order = {name: rank for rank, name in enumerate(sizes["variant"])}
     table = table.sort_values("variant", key=lambda names: names.map(order), kind="stable")
     table = table.merge(sizes, on="variant", how="left")

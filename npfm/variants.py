@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, fields
 from functools import cache, partial
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from npfm.errors import NpfmError, suggest
 from npfm.solvers.problem import Solve, Solver
@@ -47,6 +48,12 @@ class Model:
         Whole numbers that `fit` takes as keywords, and what they mean.
     own_table : float
         Share of the objective that may be left when a table of the model's own is fitted.
+    shared : tuple of str
+        Parameters that the channels have together: stored once, their first axis of length 1.
+    scale_free : bool
+        Whether a brighter table has larger coefficients and all else the same.
+    published : mapping
+        For a model that is not fitted but read: its file, as `npfm.datasets.fit_files.FitFile`.
     """
 
     module: str
@@ -57,6 +64,9 @@ class Model:
     objective: bool = True
     settings: Mapping[str, str] = field(default_factory=dict)
     own_table: float = 1e-8
+    shared: tuple[str, ...] = ()
+    scale_free: bool = True
+    published: Mapping[str, Any] = field(default_factory=dict)
 
 
 @cache

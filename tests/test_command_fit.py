@@ -192,6 +192,31 @@ def test_an_output_that_cannot_be_written_is_told_in_one_line(capsys, tmp_path, 
     assert str(tmp_path / "file") in line
 
 
+def test_published_parameters_are_those_of_the_tables_name(capsys, tmp_path, felt):
+    text = (
+        "felt = Aggregate(Lambertian(albedo = [0.3, 0.2, 0.1]), "
+        "LowMicrofacetFit(A = [1, 2, 3], B = 100, C = 1.5, eta = 1.5))\n"
+    )
+    file, path = tmp_path / "abc.fit", tmp_path / "felt.npz"
+    call = ["fit", felt, "--variant", "abc-published"]
+    file.write_text(text)
+    assert run(capsys, *call, "--published", file, "-o", path)[:2] == (0, "")
+    fit, record = fits.load(path), fits.load_record(path)
+    np.testing.assert_allclose(np.pi * fit.parameters["rho_d"], [0.3, 0.2, 0.1], rtol=1e-6)
+    assert (fit.parameters["b"], record["bytes"]) == (100, 36)
+    assert {channel.status for channel in record["channels"]} == {"published"}
+
+    output = tmp_path / "other.npz"
+    line = refused(capsys, tmp_path, *call, "-o", output)
+    assert "needs --published, the path of low_lowmicrofacet_E2.fit" in line
+    file.write_text(text.replace("felt", "felts"))
+    line = refused(capsys, tmp_path, *call, "--published", file, "-o", output)
+    assert f"{file}: no line for the material 'felt'; did you mean felts" in line
+    call[-1] = "bivariate"
+    line = refused(capsys, tmp_path, *call, "--published", file, "-o", output)
+    assert "--published is not a setting of 'bivariate'" in line
+
+
 def test_what_is_not_a_fit_is_not_tabulated(capsys, tmp_path, felt):
     output = tmp_path / "x.binary"
     assert str(felt) in refused(capsys, tmp_path, "tabulate", felt, "-o", output)

@@ -41,7 +41,7 @@ def test_presets_are_valid_and_named_after_their_file(preset, data, tmp_path):
     if preset.stem == "merl":
         (tmp_path / "merl").mkdir()
         (tmp_path / "merl" / "chrome.binary").touch()
-        changes["data"] = str(tmp_path)
+        changes |= {"data": str(tmp_path), "published_fits": str(data / "published_fits")}
     run = check(configured(**changes))
     assert run.folder == f"results/{preset.stem}"
     assert (
@@ -66,6 +66,52 @@ def test_only_models_that_have_a_rank_or_starts_are_told_them():
     assert "--starts 3" in options["fewer"]
     told = options["naive"] + options["low-rank-b"]
     assert "--rank" not in told and "--starts" not in told
+
+
+def with_published(tmp_path, lines):
+    """A configuration of two materials of which some are in the file of Cook-Torrance."""
+    text = (
+        "{} = Aggregate(Lambertian(albedo = [0, 0, 0]), "
+        "NganCookTorrance(albedo = [1, 1, 1], eta = 0.5, roughness = 0.1))\n"
+    )
+    path = tmp_path / "fits" / "ngan_cooktorrance.fit"
+    path.parent.mkdir()
+    path.write_text("".join(map(text.format, lines)))
+    return configured(
+        data=str(tmp_path),
+        published_fits="fits",
+        dataset={"materials": ["chalk", "pink-felt"]},
+        variants=["naive", "cook-torrance-published"],
+    )
+
+
+def test_fits_that_a_published_file_lacks_are_not_made(tmp_path):
+    run = check(with_published(tmp_path, ["chalk", "unknown"]))
+    path = str(tmp_path / "fits" / "ngan_cooktorrance.fit")
+    assert run.published_inputs("cook-torrance-published") == [path]
+    assert run.published_inputs("naive") == []
+    assert f"--published {path}" in run.variants["cook-torrance-published"].options
+    assert run.fits == [
+        ("chalk", "naive"),
+        ("chalk", "cook-torrance-published"),
+        ("pink-felt", "naive"),
+    ]
+    assert run.missing_option == "--missing cook-torrance-published/pink-felt"
+    assert check(DEFAULT).missing_option == ""
+
+
+def test_a_published_file_without_any_of_the_materials_is_told(tmp_path):
+    with pytest.raises(NpfmError, match=r"ngan_cooktorrance\.fit has none of the run's materials"):
+        check(with_published(tmp_path, ["unknown"]))
+
+
+def test_an_absent_or_bad_published_file_is_told(tmp_path):
+    config = with_published(tmp_path, ["chalk", "chalk"])
+    with pytest.raises(NpfmError, match=r"ngan_cooktorrance\.fit, line 2: 'chalk' is in line 1"):
+        check(config)
+    (tmp_path / "fits" / "ngan_cooktorrance.fit").unlink()
+    with pytest.raises(NpfmError, match=r"ngan_cooktorrance\.fit: no such file; get it from"):
+        check(config)
 
 
 @pytest.mark.parametrize(

@@ -96,6 +96,32 @@ def test_infinity_and_odd_names_survive_the_file(tmp_path):
     assert again["psnr_db"].tolist() == [math.inf, 12.3457, pytest.approx(math.nan, nan_ok=True)]
 
 
+def test_what_is_missing_has_no_row(run):
+    missing = ["naive/felt"]
+    (run / "renders/A/felt/naive.exr").unlink()
+    (run / "fits/naive/felt.json").unlink()
+    table = tables.psnr(run, ["A"], MATERIALS, VARIANTS, missing)
+    pairs = [("felt", "bivariate"), ("chrome", "naive"), ("chrome", "bivariate")]
+    assert list(zip(table["material"], table["variant"], strict=True)) == pairs
+    fits = tables.fits(run, MATERIALS, VARIANTS, missing)
+    assert list(zip(fits["material"], fits["variant"], strict=True))[::3] == pairs
+    summary = tables.summary(table, tables.sizes(run, table)).set_index(["variant", "scene"])
+    assert summary["materials"].to_dict() == {
+        ("bivariate", "A"): 2,
+        ("bivariate", "all"): 2,
+        ("naive", "A"): 1,
+        ("naive", "all"): 1,
+    }
+
+
+def test_the_verb_leaves_out_what_is_missing(run, tmp_path):
+    (run / "renders/A/felt/naive.exr").unlink()
+    lists = ["--scenes", "A", "--materials", *MATERIALS, "--variants", *VARIANTS]
+    call = ["tables", "psnr", "--run", str(run), *lists, "--missing", "naive/felt"]
+    assert main([*call, "-o", str(tmp_path / "psnr.csv")]) == 0
+    assert len(tables.read_psnr(tmp_path / "psnr.csv")) == 3
+
+
 def test_fits_have_one_row_a_channel(run):
     table = tables.fits(run, MATERIALS, VARIANTS)
     columns = "material variant channel seconds iterations gss_calls starts best_start objective"
@@ -123,19 +149,20 @@ def test_summary_averages_over_materials_then_over_everything(run):
         ],
         columns=["scene", "material", "variant", "psnr_db"],
     )
-    sizes = tables.sizes(run, MATERIALS, ["bivariate", "naive"])
+    listed = tables.psnr(run, ["A"], MATERIALS, ["bivariate", "naive"])
+    sizes = tables.sizes(run, listed)
     assert sizes.values.tolist() == [["bivariate", 150, 600], ["naive", 90, 360]]
     table = tables.summary(psnr, sizes)
     assert ",".join(table) == (
-        "variant,scene,mean_psnr_db,median_psnr_db,parameters,bytes,paper_psnr_db"
+        "variant,scene,materials,mean_psnr_db,median_psnr_db,parameters,bytes,paper_psnr_db"
     )
     nothing = pytest.approx(math.nan, nan_ok=True)
     assert table.values.tolist() == [
-        ["bivariate", "B", math.inf, math.inf, 150, 600, nothing],
-        ["bivariate", "all", math.inf, math.inf, 150, 600, 64.07],
-        ["naive", "A", 30.0, 20.0, 90, 360, nothing],
-        ["naive", "B", 40.0, 40.0, 90, 360, nothing],
-        ["naive", "all", 32.5, 30.0, 90, 360, 56.71],
+        ["bivariate", "B", 2, math.inf, math.inf, 150, 600, nothing],
+        ["bivariate", "all", 2, math.inf, math.inf, 150, 600, 64.07],
+        ["naive", "A", 3, 30.0, 20.0, 90, 360, nothing],
+        ["naive", "B", 1, 40.0, 40.0, 90, 360, nothing],
+        ["naive", "all", 3, 32.5, 30.0, 90, 360, 56.71],
     ]
 
 
@@ -188,7 +215,7 @@ def test_the_verb_writes_every_table_twice_the_same(run, tmp_path):
         heads[kind] = first.decode().splitlines()[:2]
     assert heads["psnr"] == ["scene,material,variant,psnr_db", "B,felt,naive,40"]
     assert heads["materials"] == ["material,diffuseness", "felt,3.14159"]
-    assert heads["summary"][1] == "naive,B,40,40,90,360,"
+    assert heads["summary"][1] == "naive,B,2,40,40,90,360,"
 
 
 @pytest.mark.parametrize(

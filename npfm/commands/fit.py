@@ -2,12 +2,16 @@
 
 import argparse
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 from tqdm import tqdm
 
 from npfm import fits, variants
 from npfm.commands.numbers import positive, whole
-from npfm.errors import NpfmError
+from npfm.datasets import fit_files
+from npfm.datasets.fit_files import FitFile
+from npfm.errors import NpfmError, suggest
 from npfm.merl import read_binary
 from npfm.objective import Objective
 from npfm.solvers.problem import Solve, Solver
@@ -16,8 +20,11 @@ EXAMPLE = """\
 example:
   python -m npfm fit chrome.binary --variant independent-g -o chrome.npz
 writes chrome.npz (float32 parameters; rho_d and rho_s in 1/sr) and chrome.json (seconds,
-iterations and objective of every start). The objective is dimensionless: its share of the
-weighted sum of squares of the measurement.
+iterations and objective of every start).
+  python -m npfm fit chrome.binary --variant abc-published --published low_lowmicrofacet_E2.fit \\
+      -o chrome.npz
+takes the parameters that the file has for chrome, the name of the table. The objective is
+dimensionless: its share of the weighted sum of squares of the measurement.
 """
 
 
@@ -48,6 +55,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     for setting, meaning in _own_settings().items():
         parser.add_argument(f"--{setting}", type=int, metavar="N", help=meaning)
+    parser.add_argument(
+        "--published", metavar="FILE", help=".fit file that a variant *-published reads"
+    )
     parser.add_argument(
         "--max-angle",
         type=float,
@@ -87,14 +97,28 @@ def _own_settings() -> dict[str, str]:
     return {setting: "; ".join(said) for setting, said in meanings.items()}
 
 
-def _given(arguments: argparse.Namespace) -> dict[str, int]:
+def _given(arguments: argparse.Namespace) -> dict[str, Any]:
     """Return the settings that were given and only some models have."""
-    given = {name: getattr(arguments, name) for name in _own_settings()}
+    given = {name: getattr(arguments, name) for name in (*_own_settings(), "published")}
     given = {name: value for name, value in given.items() if value is not None}
-    declared = variants.declared(arguments.variant).settings
-    if wrong := [name for name in given if name not in declared]:
+    model = variants.declared(arguments.variant)
+    own = {*model.settings, *(["published"] if model.published else [])}
+    if wrong := [name for name in given if name not in own]:
         raise NpfmError(f"--{wrong[0]} is not a setting of '{arguments.variant}'; leave it out")
+    if model.published:
+        given["published"] = _parameters(arguments, FitFile(**model.published))
     return given
+
+
+def _parameters(arguments: argparse.Namespace, file: FitFile) -> fit_files.Parameters:
+    """Return the published parameters of the material that the table is named after."""
+    path = arguments.published
+    if path is None:
+        raise NpfmError(f"'{arguments.variant}' needs --published, the path of {file.name}")
+    name, found = Path(arguments.table).stem, fit_files.read(path, file)
+    if name not in found:
+        raise NpfmError(f"{path}: no line for the material '{name}'; {suggest(name, found)}")
+    return found[name]
 
 
 def _watched(solve: Solve, progress: tqdm) -> Solve:

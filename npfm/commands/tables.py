@@ -56,6 +56,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         )
         for source in sources:
             chosen.add_argument(f"--{source}", required=True, **SOURCES[source][0])
+        if "variants" in sources:
+            chosen.add_argument(
+                "--missing",
+                nargs="+",
+                default=[],
+                metavar="VARIANT/MATERIAL",
+                help="fits that there are not, to be left out",
+            )
         chosen.add_argument("-o", "--output", required=True, help="CSV to write")
 
 
@@ -64,14 +72,14 @@ def run(arguments: argparse.Namespace) -> None:
     a = arguments
     match a.table:
         case "psnr":
-            table = tables.psnr(a.run, a.scenes, a.materials, a.variants)
+            table = tables.psnr(a.run, a.scenes, a.materials, a.variants, a.missing)
         case "fits":
-            table = tables.fits(a.run, a.materials, a.variants)
+            table = tables.fits(a.run, a.materials, a.variants, a.missing)
         case "materials":
             table = tables.materials(a.run, a.materials)
         case "summary":
             psnr = tables.read_psnr(a.psnr)
-            sizes = tables.sizes(a.run, psnr["material"].unique(), psnr["variant"].unique())
+            sizes = tables.sizes(a.run, psnr)
             table = tables.summary(psnr, sizes)
         case "published":
             table = _published(a)

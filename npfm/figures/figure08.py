@@ -168,9 +168,7 @@ def _draw_panel(ax: Axes, panel: pd.DataFrame, title: str) -> None:
             range(len(values)),
             values,
             color=(look.color, 0.5),  # the line only guides the eye from mark to mark
-            marker=look.marker,
-            markerfacecolor=look.color,
-            markeredgewidth=0,
+            **look.mark,
             linestyle=look.linestyle,
         )
     ax.set_title(title, loc="left", pad=2)

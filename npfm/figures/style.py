@@ -5,6 +5,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
+from typing import Any
 
 import matplotlib.style
 from matplotlib.axis import Axis
@@ -46,18 +47,41 @@ class Look:
     color: str
     marker: str
     linestyle: str = "-"
+    filled: bool = True
+
+    @property
+    def mark(self) -> dict[str, Any]:
+        """Arguments of `Axes.plot` for the marker."""
+        face, edge = (self.color, 0.0) if self.filled else ("white", 0.6)
+        return {
+            "marker": self.marker,
+            "markerfacecolor": face,
+            "markeredgecolor": self.color,
+            "markeredgewidth": edge,
+        }
 
 
 # Colours of Okabe and Ito 2008, "Color Universal Design", told apart in all common forms of
-# colour blindness; yellow is left out, it is too pale for thin lines on white.
+# colour blindness; yellow is left out, it is too pale for thin lines on white. Variants of one
+# form have one colour, and what is published open marks on dashed lines.
 LOOKS = {
     "bivariate": Look("#000000", "s"),
     "independent-g": Look("#0072B2", "o"),
     "g-from-d": Look("#E69F00", "^"),
     "naive": Look("#009E73", "D"),
+    "bivariate-g": Look("#7F7F7F", "P"),
+    "low-rank-b": Look("#7F7F7F", "X"),
+    "abc-e2": Look("#D55E00", "v"),
+    "abc-ours": Look("#D55E00", ">"),
+    "abc-published": Look("#D55E00", "v", "--", filled=False),
+    "shifted-gamma": Look("#CC79A7", "p"),
+    "shifted-gamma-published": Look("#CC79A7", "p", "--", filled=False),
+    "cook-torrance": Look("#56B4E9", "h"),
+    "cook-torrance-published": Look("#56B4E9", "h", "--", filled=False),
 }
-#: For other variants in their order: 12 pairs, since 3 and 4 have no common divisor.
-OTHER_COLORS = ("#D55E00", "#CC79A7", "#56B4E9")
+#: For other variants in their order: 12 pairs, since 3 and 4 have no common divisor. Colours of
+#: Tol 2021, "Colour schemes", muted.
+OTHER_COLORS = ("#882255", "#999933", "#332288")
 OTHER_MARKERS = ("v", "P", "X", "*")
 
 

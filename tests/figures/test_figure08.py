@@ -119,6 +119,15 @@ def test_a_hundred_names_do_not_touch_and_nothing_is_clipped():
     assert ax.get_window_extent().height > 0.85 * figure08.MEAN_HEIGHT * figure.dpi
 
 
+def test_all_looks_differ_and_what_is_published_has_the_colour_of_our_fit():
+    assert len(set(style.LOOKS.values())) == len(style.LOOKS) >= 13
+    for name in ("shifted-gamma", "cook-torrance"):
+        ours, theirs = style.LOOKS[name], style.LOOKS[f"{name}-published"]
+        assert ours.color == theirs.color
+        assert (ours.filled, theirs.filled) == (True, False)
+        assert theirs.mark["markerfacecolor"] == "white"
+
+
 def test_variants_keep_their_looks_and_others_differ():
     others = [f"other-{i}" for i in range(12)]
     looks = style.looks(["naive", *others, "bivariate"])

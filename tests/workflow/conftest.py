@@ -15,6 +15,7 @@ CONFIG = {
     "name": "tiny",
     "seed": 1,
     "data": "data",
+    "published_fits": "published_fits",
     "dataset": {"kind": "synthetic", "materials": ["chalk"]},
     "objective": {"compressive": True, "max_angle": 89.0},
     "solver": {"method": "gauss-newton", "tolerance": 1e-3, "max_iterations": 5, "starts": 8},

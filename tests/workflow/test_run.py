@@ -37,6 +37,7 @@ def test_a_run_makes_tables_with_the_promised_columns(finished):
         [
             "variant",
             "scene",
+            "materials",
             "mean_psnr_db",
             "median_psnr_db",
             "parameters",

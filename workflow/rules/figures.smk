@@ -67,10 +67,10 @@ rule figures:
 
 rule page:
     input:
-        pictures=expand(
-            f"{OUT}/renders/{{scene}}/{{{{material}}}}/{{variant}}.png",
+        pictures=lambda wildcards: expand(
+            f"{OUT}/renders/{{scene}}/{wildcards.material}/{{variant}}.png",
             scene=RUN.scenes,
-            variant=["measured", *RUN.variants],
+            variant=["measured", *RUN.variants_of(wildcards.material)],
         ),
         psnr=rules.psnr_table.output,
     output:
@@ -89,10 +89,11 @@ rule page:
         runtime=5,
     params:
         code=digest(("npfm.figures.page",), ("npfm.commands.figure",)),
-        names=f"--run {OUT} {VARIANTS} --scenes {' '.join(RUN.scenes)}",
+        names=f"--run {OUT} --scenes {' '.join(RUN.scenes)}",
+        variants=lambda wildcards: " ".join(RUN.variants_of(wildcards.material)),
     shell:
-        "python -m npfm figure page {params.names} --material {wildcards.material}"
-        " --psnr {input.psnr} -o {output} 2> {log}"
+        "python -m npfm figure page {params.names} --variants {params.variants}"
+        " --material {wildcards.material} --psnr {input.psnr} -o {output} 2> {log}"
 
 
 rule pages:

@@ -1,6 +1,7 @@
 rule fit:
     input:
-        rules.material.output,
+        table=rules.material.output,
+        published=lambda wildcards: RUN.published_inputs(wildcards.variant),
     output:
         fit=f"{OUT}/fits/{{variant}}/{{material}}.npz",
         record=f"{OUT}/fits/{{variant}}/{{material}}.json",
@@ -15,4 +16,4 @@ rule fit:
         code=lambda wildcards: RUN.fit_code(wildcards.variant),
         options=lambda wildcards: RUN.variants[wildcards.variant].options,
     shell:
-        "python -m npfm fit {input} {params.options} -o {output.fit} 2> {log}"
+        "python -m npfm fit {input.table} {params.options} -o {output.fit} 2> {log}"

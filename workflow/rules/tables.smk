@@ -1,12 +1,12 @@
-RENDERS = expand(
-    f"{OUT}/renders/{{scene}}/{{material}}/{{variant}}.exr",
-    scene=RUN.scenes,
-    material=RUN.materials,
-    variant=["measured", *RUN.variants],
-)
+RENDERS = [
+    f"{OUT}/renders/{scene}/{material}/{variant}.exr"
+    for scene in RUN.scenes
+    for material in RUN.materials
+    for variant in ["measured", *RUN.variants_of(material)]
+]
 TABLES_CODE = digest(("npfm.tables",), ("npfm.commands.tables",))
 MATERIALS = f"--run {OUT} --materials {' '.join(RUN.materials)}"
-VARIANTS = f"--variants {' '.join(RUN.variants)}"
+VARIANTS = f"--variants {' '.join(RUN.variants)} {RUN.missing_option}"
 
 
 localrules:
@@ -41,7 +41,7 @@ rule psnr_table:
 
 rule fits_table:
     input:
-        expand(rules.fit.output.record, material=RUN.materials, variant=RUN.variants),
+        [f"{OUT}/fits/{variant}/{material}.json" for material, variant in RUN.fits],
     output:
         report(
             f"{OUT}/tables/fits.csv",

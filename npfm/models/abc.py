@@ -1,0 +1,37 @@
+"""The microfacet model of Loew et al. 2012, "BRDF models for accurate and efficient rendering".
+
+rho = rho_d + rho_s (1 + b (1 - cos(theta_h)))^-c F(theta_d; eta) V / (cos(theta_i) cos(theta_o)),
+with F of an unpolarised dielectric (Cook and Torrance 1982) and V the V-groove shadowing. `b`, `c`
+and `eta` are shared by the channels, as in the published fits; rho_s is their A over pi (the pi
+is part of the published fits, though not of the paper's equation).
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from npfm.models.lobes import Directions, Form, Shape
+
+
+def fresnel(cos_d: NDArray, eta: float) -> NDArray:
+    """Unpolarised reflectance of a dielectric of index `eta` (Cook and Torrance 1982)."""
+    g = np.sqrt(eta**2 + cos_d**2 - 1)
+    parallel = (cos_d * (g + cos_d) - 1) / (cos_d * (g - cos_d) + 1)
+    return 0.5 * ((g - cos_d) / (g + cos_d)) ** 2 * (1 + parallel**2)
+
+
+def lobe(shape: Shape, at: Directions) -> NDArray:
+    """Values per unit rho_s, in 1/sr."""
+    peak = np.exp(-shape["c"] * np.log1p(shape["b"] * (1 - at.cos_h)))
+    return peak * fresnel(at.cos_d, shape["eta"]) * at.grooves
+
+
+FORM = Form(
+    lobe,
+    lambda x: {"b": np.exp(x[0]), "c": np.exp(x[1]), "eta": 1 + np.exp(x[2])},
+    bounds=((0.0, -5.0, -4.0), (18.0, np.log(10), 5.0)),
+    starts={
+        f"b={b:g} c={c:g}": (np.log(b), np.log(c), np.log(0.5))
+        for b, c in ((1e2, 1.5), (1e4, 1.0), (1e6, 0.5))
+    },
+    shared=True,
+)

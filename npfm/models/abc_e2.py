@@ -1,0 +1,31 @@
+"""The model of Loew et al. 2012 (`npfm.models.abc`), fitted by their logarithmic metric E2."""
+
+from npfm.fits import Fit
+from npfm.grid import Grid
+from npfm.merl import Table
+from npfm.models import author_metrics, lobe_fits, lobes
+from npfm.models.abc import FORM
+from npfm.objective import Objective
+from npfm.solvers.problem import Solve
+
+NAME = "abc-e2"
+COEFFICIENTS = ("rho_d", "rho_s")
+SHARED = ("b", "c", "eta")
+SOLVER = False
+OBJECTIVE = False
+SCALE_FREE = False  # the logarithm is of 1 + the BRDF in 1/sr
+
+
+def parameter_count(grid: Grid) -> int:
+    """Number of values stored for a material, on whatever grid."""
+    return lobes.parameter_count(FORM)
+
+
+def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
+    """Fit the model; `solve` and `seed` are not needed. See `lobe_fits.fit`."""
+    return lobe_fits.fit(NAME, FORM, author_metrics.logarithmic, table, objective)
+
+
+def tabulate(fit: Fit) -> Table:
+    """Values of a fit at every cell of its grid, in 1/sr."""
+    return lobes.tabulate(FORM, fit)

@@ -1,0 +1,72 @@
+"""The fits of Bagher et al. 2012 (`npfm.models.shifted_gamma`) that they published."""
+
+import numpy as np
+
+from npfm.datasets.fit_files import DIFFUSE, Parameters
+from npfm.fits import Fit
+from npfm.grid import Grid
+from npfm.merl import Table
+from npfm.models import lobes
+from npfm.models.shifted_gamma import FORM
+from npfm.objective import Objective
+from npfm.solvers.problem import Solve
+
+NAME = "shifted-gamma-published"
+COEFFICIENTS = ("rho_d", "rho_s")
+SIGNED = ("f0", "f1", "theta0")
+SOLVER = False
+OBJECTIVE = False
+PUBLISHED = {
+    "name": "bagher_sgd.fit",
+    "model": "Bagher",
+    "shapes": {
+        "albedo": (3,),
+        "alpha": (3,),
+        "p": (3,),
+        "eta": (2, 3),
+        "K": (3,),
+        "Lambda": (3,),
+        "c": (3,),
+        "k": (3,),
+        "theta0": (3,),
+    },
+}
+#: Tau where c is 0: no angle comes near it, so G is 1.
+NEVER = 1e3
+
+
+def parameter_count(grid: Grid) -> int:
+    """Number of values stored for a material, on whatever grid."""
+    return lobes.parameter_count(FORM)
+
+
+def fit(
+    table: Table, objective: Objective, solve: Solve, seed: int, *, published: Parameters
+) -> Fit:
+    """Take the published parameters as they are; the table is for the record alone.
+
+    Raises
+    ------
+    NpfmError
+        If a channel of the table has no sample that counts.
+    """
+    c, k = published["c"], published["k"]
+    parameters = {
+        "rho_d": published[DIFFUSE] / np.pi,
+        "rho_s": published["albedo"] * published["K"] / np.pi**2,
+        "alpha": published["alpha"],
+        "p": published["p"],
+        "f0": published["eta"][0],
+        "f1": published["eta"][1],
+        "Lambda": published["Lambda"],
+        "tau": np.where(c > 0, np.where(c > 0, c, 1.0) ** (-1 / k), NEVER),
+        "k": k,
+        "theta0": published["theta0"],
+    }
+    arrays = {name: np.atleast_1d(value).astype(np.float32) for name, value in parameters.items()}
+    return lobes.published(FORM, table, objective, Fit(NAME, arrays, table.grid))
+
+
+def tabulate(fit: Fit) -> Table:
+    """Values of a fit at every cell of its grid, in 1/sr."""
+    return lobes.tabulate(FORM, fit)
