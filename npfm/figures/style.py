@@ -71,6 +71,7 @@ LOOKS = {
     "naive": Look("#009E73", "D"),
     "bivariate-g": Look("#7F7F7F", "P"),
     "low-rank-b": Look("#7F7F7F", "X"),
+    "tucker-20": Look("#882255", "*"),
     "abc-e2": Look("#D55E00", "v"),
     "abc-ours": Look("#D55E00", ">"),
     "abc-published": Look("#D55E00", "v", "--", filled=False),
@@ -81,7 +82,7 @@ LOOKS = {
 }
 #: For other variants in their order: 12 pairs, since 3 and 4 have no common divisor. Colours of
 #: Tol 2021, "Colour schemes", muted.
-OTHER_COLORS = ("#882255", "#999933", "#332288")
+OTHER_COLORS = ("#AA4499", "#999933", "#332288")
 OTHER_MARKERS = ("v", "P", "X", "*")
 
 
