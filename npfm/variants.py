@@ -95,6 +95,11 @@ def models() -> Mapping[str, Model]:
     return dict(sorted(found.items()))
 
 
+def non_parametric() -> tuple[str, ...]:
+    """Return the models of free factors or tables: with our solvers, or in closed form."""
+    return tuple(name for name, model in models().items() if model.solver or name == "bivariate")
+
+
 def _constants(path: Path) -> dict:
     """Declarations in a file, by the names that they have in `Model`."""
     known = {"name", *(field.name for field in fields(Model))} - {"module"}

@@ -44,8 +44,8 @@ STATUSES = ("converged", "iteration cap", "stalled", "degenerate: ")
 
 def runs() -> Iterator[tuple[str, str]]:
     """Every model with every solver; one that needs none is fitted once."""
-    for model, method in product(variants.MODELS, variants.SOLVERS):
-        if model not in variants.CLOSED_FORM:
+    for model, method in product(variants.non_parametric(), variants.SOLVERS):
+        if variants.declared(model).solver:
             yield model, method
         elif method == variants.SOLVERS[0]:
             yield model, ""
@@ -192,7 +192,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     verbs = parser.add_subparsers(dest="verb", required=True)
     fit = verbs.add_parser("fit", help="fit all cases by a model")
-    fit.add_argument("model", choices=variants.MODELS)
+    fit.add_argument("model", choices=variants.non_parametric())
     fit.add_argument("--starts", type=int, required=True, help="of independent-g")
     fit.add_argument("--awls-iterations", type=int, required=True, help="cap on a start of awls")
     gather = verbs.add_parser("gather", help="join tables")

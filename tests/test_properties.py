@@ -128,7 +128,7 @@ def fits(model, grid):
 GRID = Grid(4, 3, 6)
 
 
-@pytest.mark.parametrize("model", variants.MODELS)
+@pytest.mark.parametrize("model", variants.non_parametric())
 @settings(max_examples=25)
 @given(data=st.data())
 def test_models_are_not_negative_and_reciprocal(model, data):

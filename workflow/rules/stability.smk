@@ -13,7 +13,7 @@ rule stability_fits:
     log:
         f"{OUT}/logs/stability/{{model}}.log",
     wildcard_constraints:
-        model="|".join(variants.MODELS),
+        model="|".join(variants.non_parametric()),
     conda:
         "../envs/npfm.yaml"
     resources:
@@ -35,7 +35,7 @@ rule stability_fits:
 
 rule stability:
     input:
-        tables=expand(rules.stability_fits.output, model=variants.MODELS),
+        tables=expand(rules.stability_fits.output, model=variants.non_parametric()),
         cases=HARD_CASES,
         script=STABILITY,
     output:
