@@ -11,6 +11,8 @@ localrules:
 
 
 use rule fit as accuracy_cost_fit with:
+    input:
+        table=rules.material.output,
     output:
         fit=f"{COST.folder}/fits/{{variant}}/{{material}}.npz",
         record=f"{COST.folder}/fits/{{variant}}/{{material}}.json",

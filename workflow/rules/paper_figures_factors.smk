@@ -11,6 +11,8 @@ localrules:
 
 
 use rule fit as weighting_fit with:
+    input:
+        table=rules.material.output,
     output:
         fit=f"{WEIGHTING.folder}/fits/{{variant}}/{{material}}.npz",
         record=f"{WEIGHTING.folder}/fits/{{variant}}/{{material}}.json",
