@@ -134,7 +134,7 @@ def draw(scene_table, run_table):
     """Draw all of it; a line states how it grows."""
     with style.context():
         rows = 1 if run_table is None else 2
-        figure = Figure(figsize=(style.PAGE_WIDTH, 2.5 * rows), layout="constrained")
+        figure = Figure(figsize=(style.PAGE_WIDTH, 2.7 * rows), layout="constrained")
         axes = figure.subplots(rows, 2, squeeze=False)
         if run_table is not None:
             draw_runs(axes[0], run_table)
@@ -142,11 +142,17 @@ def draw(scene_table, run_table):
             draw_scenes(ax, scene_table[scene_table["varied"] == varied], varied)
         for ax in axes.flat:
             style.plain_logarithmic(ax.xaxis)
+            ax.set_xticks(ax.get_lines()[0].get_xdata())
             style.plain_logarithmic(ax.yaxis)
-            ax.legend(frameon=False)
+            ax.legend(frameon=False, loc="lower left", bbox_to_anchor=(0, 1))
             ax.grid(True)
             ax.set_axisbelow(True)
     return figure
+
+
+def looks_of(names):
+    """How each line is drawn."""
+    return dict(zip(names, [*style.LOOKS.values(), *style.looks(names).values()], strict=False))
 
 
 def draw_scenes(ax, table, varied):
@@ -156,7 +162,7 @@ def draw_scenes(ax, table, varied):
         "render_seconds": ("seconds to render a material", 1),
         "bytes": ("GB of T", 1e9),
     }
-    looks = style.looks(list(columns))
+    looks = looks_of(columns)
     for column, (label, unit) in columns.items():
         power = exponent(table[varied], table[column])
         label = f"{label} ~ {varied}^{power:.2f}"
@@ -171,18 +177,18 @@ def draw_scenes(ax, table, varied):
 def draw_runs(axes, table):
     """Draw seconds and bytes of runs against the number of their materials."""
     table = table.assign(kind=table["rule"].map(KINDS).fillna("gathers"))
-    looks = style.looks(list(table["kind"].unique()))
+    looks = looks_of(table["kind"].unique())
     for ax, (column, label, unit) in zip(
         axes, (("seconds", "s", 1.0), ("bytes", "MB", 1e6)), strict=True
     ):
         for kind, rows in table.groupby("kind", sort=False):
             sums = rows.groupby("materials")[column].sum() / unit
-            fixed, each = line(sums.index, sums)
-            text = f"{kind}: {fixed:.3g} + {each:.3g} {label} a material"
+            fixed, each = np.round(line(sums.index, sums), 2) + 0.0  # no negative zero
+            text = f"{kind}: {fixed:g} {each:+g} n {label}"
             ax.plot(
                 sums.index, sums, color=looks[kind].color, marker=looks[kind].marker, label=text
             )
-        ax.set_xlabel("materials")
+        ax.set_xlabel("materials, n")
     axes[0].set_ylabel("seconds of all jobs")
     axes[1].set_ylabel("MB of results")
 
@@ -190,8 +196,8 @@ def draw_runs(axes, table):
 def predict(table, materials, cores):
     """Jobs, seconds and bytes of each rule for another number of materials, and what that means.
 
-    Rules whose number of jobs grows with the materials are spread over the cores; of the others,
-    gathers wait for them and for each other.
+    Scenes, and rules whose number of jobs grows with the materials, are spread over the cores;
+    gathers wait for them and for each other. Snakemake's own time is not in it.
     """
     rows = []
     for rule, found in table.groupby("rule", sort=False):
@@ -199,7 +205,7 @@ def predict(table, materials, cores):
         for column in ("jobs", "seconds", "bytes"):
             fixed, each = line(found["materials"], found[column])
             row[column] = max(fixed + each * materials, 0.0)
-        row["spread"] = found["jobs"].nunique() > 1
+        row["spread"] = rule in KINDS or found["jobs"].nunique() > 1
         rows.append(row)
     table = pd.DataFrame(rows)
     spread, alone = (table.loc[table["spread"] == kind, "seconds"].sum() for kind in (True, False))
