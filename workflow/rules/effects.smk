@@ -1,12 +1,15 @@
 from npfm.effects_cost.plan import Plan
 
 EFFECTS = Plan(RUN)
+EFFECTS_CODE = digest(("npfm.effects_cost.tables",), ("npfm.commands.effects",))
 
 
-rule effects_scene:
-    input:
-        light=lambda wildcards: f"{OUT}/lights/{config['scenes'][wildcards.scene]['light']}.exr",
-        mesh=lambda wildcards: RUN.mesh(wildcards.scene),
+localrules:
+    effects_table,
+    effects_figure,
+
+
+use rule scene as effects_scene with:
     output:
         scene=directory(f"{EFFECTS.folder}/scenes/{{scene}}/{{effect}}"),
         record=f"{EFFECTS.folder}/scenes/{{scene}}/{{effect}}.json",
@@ -14,18 +17,11 @@ rule effects_scene:
         f"{OUT}/logs/effects/scenes/{{scene}}/{{effect}}.log",
     wildcard_constraints:
         effect="[^/.]+",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=3000,
     params:
         code=SCENE_CODE,
         options=lambda wildcards: EFFECTS.scene_options(
             wildcards.scene, wildcards.effect
         ),
-    shell:
-        "python -m npfm scene --light {input.light} {params.options}"
-        " --record {output.record} -o {output.scene} 2> {log}"
 
 
 rule effects_compare:
@@ -49,8 +45,9 @@ rule effects_compare:
         "../envs/npfm.yaml"
     resources:
         mem_mb=2500,
+        runtime=15,
     params:
-        code=digest(("npfm.effects_cost.tables",), ("npfm.commands.effects",)),
+        code=EFFECTS_CODE,
         render=COST.study.render_code("model-independent-g-gauss-newton"),
         switched=lambda wildcards: EFFECTS.switched(wildcards.scene),
     shell:
@@ -63,7 +60,12 @@ rule effects_table:
     input:
         expand(rules.effects_compare.output.table, scene=RUN.scenes),
     output:
-        f"{OUT}/tables/effects.csv",
+        report(
+            f"{OUT}/tables/effects.csv",
+            caption="../report/effects.rst",
+            category="Cost of effects",
+            labels={"result": "table"},
+        ),
     log:
         f"{OUT}/logs/effects/table.log",
     conda:
@@ -71,7 +73,7 @@ rule effects_table:
     resources:
         mem_mb=500,
     params:
-        code=digest(("npfm.effects_cost.tables",), ("npfm.commands.effects",)),
+        code=EFFECTS_CODE,
     shell:
         "python -m npfm effects table {input} -o {output} 2> {log}"
 
@@ -87,7 +89,12 @@ rule effects_figure:
         ),
     output:
         pdf=f"{OUT}/figures/effects.pdf",
-        png=f"{OUT}/figures/effects.png",
+        png=report(
+            f"{OUT}/figures/effects.png",
+            caption="../report/effects_figure.rst",
+            category="Cost of effects",
+            labels={"result": "figure"},
+        ),
     log:
         f"{OUT}/logs/effects/figure.log",
     conda:
