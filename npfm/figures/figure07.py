@@ -77,15 +77,13 @@ def gains(
 ) -> str:
     """Tell by how much the weight raises PSNR, mean over the scenes, for each row."""
     means = psnr.groupby(["material", "variant"])["psnr_db"].mean()
-    by_material = [
-        row.material
-        + " "
-        + ", ".join(
-            f"{means[row.material, weighted] - means[row.material, plain]:+.1f}"
-            for weighted, plain in columns.values()
-        )
-        for row in rows
-    ]
+    by_material = []
+    for row in rows:
+        of = means[row.material]
+        gained = [of[weighted] - of[plain] for weighted, plain in columns.values()]
+        # adding 0 turns -0.0 into 0.0
+        numbers = ", ".join(f"{round(gain, 1) + 0.0:+.1f}" for gain in gained)
+        by_material.append(f"{row.material} {numbers}")
     scenes = ", ".join(psnr["scene"].unique())
     return (
         f"Gain by weighting ({' / '.join(columns)}) in dB, mean over the scenes {scenes}: "
