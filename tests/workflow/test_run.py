@@ -56,7 +56,7 @@ def test_a_run_makes_figures_and_pictures(finished):
     assert (results / "figures" / "table1.csv").exists()
     folder = results / "renders" / "A" / "chalk"
     pictures = {path.stem: read_exr(path) for path in folder.glob("*.exr")}
-    assert set(pictures) == {"measured", "bivariate", "naive", "old"}
+    assert set(pictures) == {"measured", "bivariate", "naive", "old", "naive-to-89-unweighted"}
     assert all(np.isfinite(picture).all() for picture in pictures.values())
     assert all((folder / f"{name}.png").exists() for name in pictures)
 

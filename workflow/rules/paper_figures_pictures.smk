@@ -26,6 +26,7 @@ for FIGURE, NAMES in COMPARED.items():
             "../envs/npfm.yaml"
         resources:
             mem_mb=500,
+            runtime=5,
         params:
             code=digest((f"npfm.figures.{FIGURE}",), ("npfm.commands.figure",)),
             arguments=f"{FIGURE} --run {OUT} --variants {' '.join(NAMES)}",
