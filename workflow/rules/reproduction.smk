@@ -8,6 +8,10 @@ if "published_factors" in config and "independent-g" in RUN.variants:
     CLAIMED["published"] = f"{OUT}/tables/published.csv"
 
 
+localrules:
+    reproduction,
+
+
 rule published_table:
     input:
         factors=RUN.user_file(config.get("published_factors", "")),
@@ -23,6 +27,7 @@ rule published_table:
         "../envs/npfm.yaml"
     resources:
         mem_mb=1000,
+        runtime=15,
     params:
         code=digest(
             ("npfm.published_distance", "npfm.published_factors"),

@@ -4,6 +4,10 @@ HARD_CASES = f"{workflow.basedir}/tests/hard_cases.py"
 STABILITY = f"{workflow.basedir}/tests/stability.py"
 
 
+localrules:
+    stability,
+
+
 rule stability_fits:
     input:
         cases=HARD_CASES,
@@ -18,6 +22,7 @@ rule stability_fits:
         "../envs/npfm.yaml"
     resources:
         mem_mb=1000,
+        runtime=120,
     params:
         code=lambda wildcards: digest(
             (
