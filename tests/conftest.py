@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+import npfm.__main__  # noqa: F401  Before numpy: one thread, as every job has.
+
 ROOT = Path(__file__).parents[1]
 
 

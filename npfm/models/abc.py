@@ -25,12 +25,20 @@ def lobe(shape: Shape, at: Directions) -> NDArray:
     return peak * fresnel(at.cos_d, shape["eta"]) * at.grooves
 
 
+def _shape(x: NDArray) -> Shape:
+    """Shape of a vector: width of the lobe at its peak, how it falls further, and Fresnel.
+
+    The last is the amplitude reflected at normal incidence, (eta - 1) / (eta + 1).
+    """
+    return {"b": np.exp(x[0] - x[1]), "c": np.exp(x[1]), "eta": (1 + x[2]) / (1 - x[2])}
+
+
 FORM = Form(
     lobe,
-    lambda x: {"b": np.exp(x[0]), "c": np.exp(x[1]), "eta": 1 + np.exp(x[2])},
-    bounds=((0.0, -5.0, -4.0), (18.0, np.log(10), 5.0)),
+    _shape,
+    bounds=((-2.0, -5.0, 0.01), (20.0, np.log(10), 0.98)),
     starts={
-        f"b={b:g} c={c:g}": (np.log(b), np.log(c), np.log(0.5))
+        f"b={b:g} c={c:g}": (np.log(b * c), np.log(c), 0.2)
         for b, c in ((1e2, 1.5), (1e4, 1.0), (1e6, 0.5))
     },
     shared=True,

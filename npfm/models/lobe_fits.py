@@ -14,6 +14,7 @@ from npfm.merl import CHANNELS, Table
 from npfm.models.author_metrics import Goal, Metric
 from npfm.models.lobes import NORMAL, Directions, Form, recorded
 from npfm.objective import Objective, channel_samples
+from npfm.solvers.problem import ROUNDING
 
 #: About so many samples are kept by thinning phi_d, of which the lobes depend smoothly, and
 #: so many for the comparison of starts.
@@ -144,21 +145,26 @@ class _Problem:
         return np.concatenate([*np.transpose(best), vector])
 
     def minimise(self, start: NDArray, evaluations: int) -> OptimizeResult:
-        """Run scipy's solver from a start; what meets a bound is put there."""
+        """Run scipy's solver from a start, unless nothing is left to gain."""
         below, above = self.form.bounds
         free = 2 * len(self.goal.scale)
         bounds = np.r_[np.zeros(free), below], np.r_[np.full(free, np.inf), above]
-        return least_squares(
-            self._residuals,
-            start,
-            self._jacobian,
-            bounds,
-            x_scale="jac",
-            ftol=TOLERANCE,
-            xtol=TOLERANCE,
-            gtol=None,
-            max_nfev=evaluations,
-        )
+        cost = float(np.sum(self._residuals(start) ** 2)) / 2
+        if cost < ROUNDING * self.zero_cost:
+            return OptimizeResult(x=start, cost=cost, nfev=1, status=1)
+        # Where a lobe is black its shape has no effect, and scipy divides 0 by 0.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return least_squares(
+                self._residuals,
+                start,
+                self._jacobian,
+                bounds,
+                x_scale="jac",
+                ftol=TOLERANCE,
+                xtol=TOLERANCE,
+                gtol=None,
+                max_nfev=evaluations,
+            )
 
 
 def _fit_together(form: Form, goal: Goal) -> tuple[dict[str, NDArray], list[Trace]]:
@@ -171,7 +177,8 @@ def _fit_together(form: Form, goal: Goal) -> tuple[dict[str, NDArray], list[Trac
         traces[name] = _trace(name, coarse, [results[name]], began)
     best = min(results, key=lambda name: results[name].cost)
     began = time.process_time() - traces[best].seconds[-1] * len(goal.scale)
-    final = fine.minimise(results[best].x, FINE_EVALUATIONS)
+    vector = results[best].x[2 * len(goal.scale) :]
+    final = fine.minimise(fine.start(vector), FINE_EVALUATIONS)
     runs = [_trace(best, fine, [results[best], final], began)]
     runs += [trace for name, trace in traces.items() if name != best]
     return _parameters(fine, final.x), runs
