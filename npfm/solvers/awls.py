@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from npfm.fits import Trace
 from npfm.solvers.golden import golden_section
 from npfm.solvers.normal import status_at_rest
-from npfm.solvers.problem import ROUNDING, Problem, S, Solver, Update
+from npfm.solvers.problem import NEGLIGIBLE, Problem, S, Solver, Update
 
 
 def solve(problem: Problem[S], starts: Mapping[str, S], settings: Solver) -> tuple[S, list[Trace]]:
@@ -35,7 +35,7 @@ def minimise(problem: Problem[S], name: str, state: S, settings: Solver) -> tupl
     gss_calls, status = 0, "converged"
     for updates in problem.stages:
         decrease = float("inf")
-        while decrease > settings.tolerance * objectives[-1] + ROUNDING * problem.energy:
+        while decrease > settings.tolerance * objectives[-1] + NEGLIGIBLE * problem.energy:
             if len(objectives) > settings.max_iterations:
                 status = "iteration cap"
                 break

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from npfm.fits import Trace
 from npfm.solvers.normal import FIRST_DAMPING, status_at_rest, system
-from npfm.solvers.problem import Problem, S, Solver
+from npfm.solvers.problem import NEGLIGIBLE, Problem, S, Solver
 
 #: Several starts are compared on every n-th bin of phi_d, to so many times the tolerance.
 COARSE, COARSE_TOLERANCE = 6, 10.0
@@ -21,9 +21,6 @@ LEAST_DAMPING, MOST_DAMPING = 1e-10, 1e8
 TIE = 1e-12
 #: Damping is divided by this after a step that helps, and multiplied by it after one that does not.
 EASE, TIGHTEN = 5.0, 4.0
-#: Share of the energy by which an iteration gains nothing, however small the objective: where a
-#: table is met all but exactly, the tolerance would ask for ever more digits of nearly nothing.
-NEGLIGIBLE = 1e-12
 #: Iterations in a row that hardly lower the objective, before a run is called converged.
 PATIENCE = 2
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
-from npfm.solvers.problem import ROUNDING, Problem, S, Solver
+from npfm.solvers.problem import NEGLIGIBLE, Problem, S, Solver
 
 #: Longest step of a logarithm: a factor changes by at most e^3, about 20, at a time.
 LONGEST_STEP = 3.0
@@ -87,5 +87,5 @@ def status_at_rest(problem: Problem[S], state: S, current: float, settings: Solv
     gradient, matrix = equations.reduced
     step = equations.step(FIRST_DAMPING)[equations.free]
     promised = -(2 * gradient @ step + step @ matrix @ step)
-    enough = settings.tolerance * current + ROUNDING * problem.energy
+    enough = settings.tolerance * current + NEGLIGIBLE * problem.energy
     return "stalled" if promised > enough else "converged"

@@ -12,8 +12,9 @@ from npfm.fits import Trace
 S = TypeVar("S")
 Update = Callable[[S], S]
 
-#: Share of the energy below which an objective, a difference of sums, is rounding.
-ROUNDING = 1e-15
+#: Share of the energy by which an iteration gains nothing, however small the objective: where a
+#: table is met all but exactly, the tolerance would ask for ever more digits of nearly nothing.
+NEGLIGIBLE = 1e-12
 
 
 class Problem(Protocol[S]):

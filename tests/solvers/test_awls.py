@@ -102,10 +102,19 @@ def test_a_loose_tolerance_converges(samples, kind):
 class Valley:
     """A problem in one number whose update overshoots the minimum of (x - 1)^2 + 1 by far."""
 
-    energy, stages = 4.0, ((lambda x: 10.0,),)
+    energy, lower, stages = 4.0, -10.0, ((lambda x: 10.0,),)
 
     def objective(self, x):
         return (x - 1) ** 2 + 1
+
+    def pack(self, x):
+        return np.array([x])
+
+    def tops(self, packed):
+        return np.array([0])
+
+    def normal_equations(self, x):
+        return np.array([x - 1, 0.0]), np.eye(2)
 
     def between(self, before, after, t):
         return (1 - t) * before + t * after
