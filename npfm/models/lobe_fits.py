@@ -14,7 +14,7 @@ from npfm.merl import CHANNELS, Table
 from npfm.models.author_metrics import Goal, Metric
 from npfm.models.lobes import NORMAL, Directions, Form, recorded
 from npfm.objective import Objective, channel_samples
-from npfm.solvers.problem import ROUNDING
+from npfm.solvers.problem import NEGLIGIBLE
 
 #: About so many samples are kept by thinning phi_d, of which the lobes depend smoothly, and
 #: so many for the comparison of starts.
@@ -150,7 +150,7 @@ class _Problem:
         free = 2 * len(self.goal.scale)
         bounds = np.r_[np.zeros(free), below], np.r_[np.full(free, np.inf), above]
         cost = float(np.sum(self._residuals(start) ** 2)) / 2
-        if cost < ROUNDING * self.zero_cost:
+        if cost < NEGLIGIBLE * self.zero_cost:
             return OptimizeResult(x=start, cost=cost, nfev=1, status=1)
         # Where a lobe is black its shape has no effect, and scipy divides 0 by 0.
         with np.errstate(divide="ignore", invalid="ignore"):
