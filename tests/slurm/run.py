@@ -96,9 +96,18 @@ def _same(alone: Path, clustered: Path) -> None:
     tell(f"{len(one)} files are the same, byte for byte")
 
 
+def _lose(folder: Path, variant: str) -> None:
+    """Remove the fits of a variant and what they lead to."""
+    results = folder / "results" / "smoke"
+    shutil.rmtree(results / "fits" / variant)
+    shutil.rmtree(results / "tables")
+    for picture in results.glob(f"renders/*/*/{variant}.*"):
+        picture.unlink()
+
+
 def _lose_and_resubmit(folder: Path, environment: dict[str, str]) -> None:
     """Kill the process of one job and cancel another; the profile submits both again."""
-    shutil.rmtree(folder / "results/smoke/fits/independent-g")
+    _lose(folder, "independent-g")
     process = _start(folder, environment, *SLURM)
     _while_it_runs("fit", environment, lambda job: _kill(job, environment))
     _while_it_runs("render_fit", environment, lambda job: _cancel(job, environment))
@@ -110,7 +119,7 @@ def _lose_and_resubmit(folder: Path, environment: dict[str, str]) -> None:
 
 def _lose_and_call_again(folder: Path, environment: dict[str, str]) -> None:
     """Cancel a job that is not submitted again; the run fails, and the next one completes it."""
-    shutil.rmtree(folder / "results/smoke/fits/naive")
+    _lose(folder, "naive")
     process = _start(folder, environment, *SLURM, "--retries", "0")
     _while_it_runs("fit", environment, lambda job: _cancel(job, environment))
     output, _ = process.communicate()
