@@ -21,7 +21,7 @@ from npfm.objective import Objective, counted
 EXPECTED = {
     "abc-published": (0.02, 0.10, 0.06),
     "shifted-gamma-published": (0.00, 0.12, -0.01),
-    "cook-torrance-published": (-0.05, 0.20, -0.26),
+    "cook-torrance-published": (-0.04, 0.24, -0.26),
 }
 HIGHLIGHT = 0.1  # largest theta_h, radians
 
