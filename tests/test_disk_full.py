@@ -4,6 +4,7 @@ A limit of the size of files stands for the disk: the system then refuses the re
 it does when the disk is full, and needs no rights for it.
 """
 
+import gc
 import resource
 import signal
 import subprocess
@@ -64,7 +65,7 @@ def room_for(size):
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
-# Matplotlib does not close a PDF that it could not write.
+# Matplotlib does not close a PDF that it could not write: it is let go of at the end of the test.
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("name", WRITERS)
 def test_what_does_not_fit_is_absent(name, tmp_path):
@@ -81,6 +82,8 @@ def test_what_does_not_fit_is_absent(name, tmp_path):
         assert {f: f.read_bytes() for f in tmp_path.rglob("*") if f.is_file()} == whole
     with room_for(size):
         WRITERS[name](path)
+    del raised
+    gc.collect()
 
 
 def test_a_process_killed_while_it_writes_leaves_the_old_file(tmp_path):
