@@ -42,4 +42,5 @@ FORM = Form(
         for b, c in ((1e2, 1.5), (1e4, 1.0), (1e6, 0.5))
     },
     shared=True,
+    samples=80_000,
 )

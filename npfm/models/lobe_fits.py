@@ -16,11 +16,10 @@ from npfm.models.lobes import NORMAL, Directions, Form, recorded
 from npfm.objective import Objective, channel_samples
 from npfm.solvers.problem import NEGLIGIBLE
 
-#: About so many samples are kept by thinning phi_d, of which the lobes depend smoothly, and
-#: so many for the comparison of starts.
-FINE, COARSE = 20_000, 3_000
+#: About so many samples are kept by thinning phi_d for the comparison of starts.
+COARSE = 3_000
 FINE_EVALUATIONS, COARSE_EVALUATIONS = 300, 20
-TOLERANCE = 1e-6  # smallest share by which an iteration must lower the sum, or move the unknowns
+TOLERANCE = 1e-5  # smallest share by which an iteration must lower the sum, or move the unknowns
 STEP = 1e-7  # of the differences that the derivatives of a lobe are taken from
 
 
@@ -169,7 +168,7 @@ class _Problem:
 
 def _fit_together(form: Form, goal: Goal) -> tuple[dict[str, NDArray], list[Trace]]:
     """Fit channels that share a shape; the traces' seconds are those of one channel."""
-    coarse, fine = (_Problem(form, goal, _thinned(goal, count)) for count in (COARSE, FINE))
+    coarse, fine = (_Problem(form, goal, _thinned(goal, count)) for count in (COARSE, form.samples))
     results, traces = {}, {}
     for name, vector in form.starts.items():
         began = time.process_time()

@@ -77,6 +77,8 @@ class Form:
         Such vectors, by name.
     shared : bool
         Whether the channels have one shape together.
+    samples : int
+        About so many are fitted to, by thinning phi_d, of which lobes depend smoothly.
     """
 
     lobe: Callable[[Shape, Directions], NDArray]
@@ -84,6 +86,7 @@ class Form:
     bounds: tuple[Sequence[float], Sequence[float]]
     starts: Mapping[str, Sequence[float]]
     shared: bool
+    samples: int
 
 
 def parameter_count(form: Form) -> int:

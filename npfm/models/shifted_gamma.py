@@ -76,6 +76,7 @@ FORM = Form(
         for alpha in (1e-3, 1e-2, 0.1, 0.4)
     },
     shared=False,
+    samples=40_000,
 )
 
 
