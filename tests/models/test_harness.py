@@ -149,11 +149,13 @@ def test_the_same_seed_gives_the_same_bytes(tmp_path, table, fitted, name):
 def test_permuted_channels_give_permuted_fits(table, fitted, name):
     order = [2, 0, 1]
     permuted = fit_with(name, Table(table.values[order], table.grid))
-    shared = MODELS[name].shared
+    if MODELS[name].shared:
+        # The channels are summed in another order, and a run ends a little elsewhere.
+        found, expected = tabulate(permuted).values, tabulate(fitted(name)).values[order]
+        np.testing.assert_allclose(found, expected, rtol=0.02)
+        return
     for key, array in fitted(name).parameters.items():
-        expected = array if key in shared else array[order]
-        # Channels that share something are summed in another order, so that a run ends elsewhere.
-        np.testing.assert_allclose(permuted.parameters[key], expected, rtol=5e-3 if shared else 0)
+        assert np.array_equal(permuted.parameters[key], array[order]), key
 
 
 @every_model
