@@ -62,7 +62,7 @@ def draw(
         The tone-mapped picture of each of these scenes.
     """
     effects = list(table["effect"].unique())
-    heights = MARGIN + ROW * len(table) / 2, CELL * (1 + len(effects)) + MARGIN
+    heights = MARGIN + ROW * len(table) / 2, CELL * (1 + len(effects)) + MARGIN / 2
     with style.context():
         figure = Figure(figsize=(style.PAGE_WIDTH, sum(heights)), layout="constrained")
         above, below = figure.subfigures(2, height_ratios=heights)
@@ -96,11 +96,11 @@ def change_db(parts: Mapping[str, NDArray], effect: str) -> NDArray[np.float64]:
     -------
     ndarray, shape (h, w)
         Root mean square over the colour components; minus infinity where nothing changes, which
-        is everywhere for an effect that cannot be switched.
+        is everywhere for an effect that cannot be switched, and where no object is to be seen.
     """
     scene = parts["scene"].astype(float)
     other = parts.get(effect, parts["scene"])[..., :3]
-    error = np.sqrt(np.mean((scene[..., :3] - other) ** 2, axis=-1))
+    error = np.sqrt(np.mean((scene[..., :3] - other) ** 2, axis=-1)) * (scene[..., 3] > 0)
     with np.errstate(divide="ignore"):
         return 20 * np.log10(error / scene[scene[..., 3] == 1, :3].max())
 
