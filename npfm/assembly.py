@@ -1,7 +1,7 @@
 """Building a transport matrix: camera rays, light directions, and the cells they fall into."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -104,21 +104,18 @@ def build(
     )
     if len(surface) == 0:
         raise NpfmError(f"no ray of {resolution} x {resolution} pixels meets an object; use more")
-    counts = samples // least * _multiples(surface, environment, grid)
-    parts = tqdm(list(_parts(surface, counts)), desc="scene", unit="block", disable=None)
-    blocks = [_rows(surface[part], counts[part], setup) for part in parts]
-    pixels, entries, indices, weights = zip(*blocks, strict=True)
-    del blocks
-    indptr = np.zeros(resolution**2 + 1, dtype=np.int64)
-    indptr[1 + np.concatenate(pixels)] = np.concatenate(entries)
-    return Transport(
-        indptr=np.cumsum(indptr),
-        indices=np.concatenate(indices),
-        weights=np.concatenate(weights, axis=1),
-        coverage=coverage,
-        backdrop=backdrop,
-        grid_shape=np.array(grid.shape),
-    )
+    number = samples // least * _multiples(surface, environment, grid)
+    parts = tqdm(list(_parts(surface, number)), desc="scene", unit="block", disable=None)
+    blocks = (_rows(surface[part], number[part], setup) for part in parts)
+    return Transport(*_joined(blocks, resolution**2), coverage, backdrop, np.array(grid.shape))
+
+
+def _joined(blocks: Iterable[tuple[NDArray, ...]], pixels: int) -> tuple[NDArray, ...]:
+    """indptr, indices and weights of the matrix whose rows `_rows` gave block by block."""
+    rows, entries, indices, weights = zip(*blocks, strict=True)
+    indptr = np.zeros(pixels + 1, dtype=np.int64)
+    indptr[1 + np.concatenate(rows)] = np.concatenate(entries)
+    return np.cumsum(indptr), np.concatenate(indices), np.concatenate(weights, axis=1)
 
 
 def _prepare(
