@@ -98,6 +98,12 @@ class Run:
         pairs = [f"{variant}/{name}" for variant, name in sorted(self.missing)]
         return f"--missing {' '.join(pairs)}" if pairs else ""
 
+    @property
+    def colors_option(self) -> str:
+        """Argument of the figures that draw variants in colours, if the run has its own."""
+        pairs = [f"'{name}={color}'" for name, color in self.config["colors"].items()]
+        return f"--colors {' '.join(pairs)}" if pairs else ""
+
     def user_file(self, path: str) -> str:
         """Return a path of the user's, relative ones starting from the key `data`."""
         return str(Path(self.config["data"]) / path)
@@ -118,7 +124,7 @@ class Run:
         """Arguments of ``npfm material`` for a material."""
         dataset = self.config["dataset"]
         if dataset["kind"] == "synthetic":
-            return f"--synthetic {name} --seed {self.config['seed']}"
+            return f"--synthetic {name}"
         path = self.user_file(dataset["path"])
         url = f" --url '{dataset['url']}'" if "url" in dataset else ""
         return f"--{dataset['kind']} {name} --from '{path}'{url}"
@@ -190,7 +196,6 @@ class Run:
             + (f" --effects {effects}" if effects else "")
             + "".join(f" --mesh '{mesh}'" for mesh in self.mesh(scene))
             + f" --resolution {self.config['resolution']} --samples {described['samples']}"
-            + f" --seed {self.config['seed']}"
         )
 
 
@@ -214,6 +219,10 @@ def check(config: Mapping[str, Any]) -> Run:
     """
     _check_schema(config)
     named = _variants(config)
+    known = {**named, **variants.models()}
+    if unknown := [name for name in config["colors"] if name not in known]:
+        hint = suggest(unknown[0], known)
+        raise NpfmError(f"config: colors: unknown variant '{unknown[0]}'; {hint}")
     for name, light in config["lights"].items():
         if ("generate" in light) == ("file" in light) or ("file" in light) != ("layout" in light):
             raise NpfmError(
@@ -283,7 +292,7 @@ def _variants(config: Mapping[str, Any]) -> dict[str, Variant]:
             + (f" --published {shlex.quote(published)}" if published else "")
             + f" --max-angle {objective['max_angle']}"
             + ("" if objective["compressive"] else " --no-compressive")
-            + f" --seed {config['seed']}"
+            + (f" --seed {config['seed']}" if model.random else "")
         )
         named[entry["name"]] = Variant(
             entry["name"], entry["model"], solver["method"], options, published

@@ -44,6 +44,8 @@ class Model:
         Whether `fit` runs the solver that it is given.
     objective : bool
         Whether `fit` minimises the objective that it is given, and not one of its own.
+    random : bool
+        Whether a start of `fit` is random, so that the seed matters.
     settings : mapping of str to str
         Whole numbers that `fit` takes as keywords, and what they mean.
     own_table : float
@@ -62,6 +64,7 @@ class Model:
     reciprocal: bool = True
     solver: bool = True
     objective: bool = True
+    random: bool = False
     settings: Mapping[str, str] = field(default_factory=dict)
     own_table: float = 1e-8
     shared: tuple[str, ...] = ()

@@ -128,6 +128,8 @@ def test_an_absent_or_bad_published_file_is_told(tmp_path):
         ),
         ({"variants": [{"name": "n", "model": "naive", "slover": {}}]}, r"did you mean solver"),
         ({"variants": ["naive", "naive"]}, r"the name 'naive' is taken"),
+        ({"colors": {"niave": "#009E73"}}, r"colors: unknown variant 'niave'; did you mean naive"),
+        ({"colors": {"naive": "green"}}, r"colors/naive: 'green' does not match"),
         ({"scenes": {"A": {"effects": ["shadow"]}}}, r"scenes/A: unknown effect 'shadow'"),
         ({"scenes": {"A": {"objects": ["cube"]}}}, r"scenes/A: unknown object 'cube'"),
         ({"scenes": {"A": {"light": "groove"}}}, r"unknown light 'groove'; did you mean grove"),

@@ -38,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--materials", help="CSV made by npfm tables materials; needed for --order diffuseness"
     )
+    style.add_colors(parser)
 
 
 def make(arguments: argparse.Namespace) -> Figure:
@@ -54,7 +55,7 @@ def make(arguments: argparse.Namespace) -> Figure:
             order = by_diffuseness(psnr, materials)
     except NpfmError as error:
         raise NpfmError(f"{a.materials or a.psnr}: {error}") from error
-    return draw(psnr, order, ORDERS[a.order])
+    return draw(psnr, order, ORDERS[a.order], style.colors(a))
 
 
 def by_diffuseness(psnr: pd.DataFrame, materials: pd.DataFrame) -> list[str]:
@@ -97,7 +98,12 @@ def by_error(psnr: pd.DataFrame) -> list[str]:
     return list(mean.sort_index().sort_values(kind="stable", na_position="last").index)
 
 
-def draw(psnr: pd.DataFrame, order: Sequence[str], order_label: str) -> Figure:
+def draw(
+    psnr: pd.DataFrame,
+    order: Sequence[str],
+    order_label: str,
+    colors: Mapping[str, str] | None = None,
+) -> Figure:
     """Draw PSNR over materials: the mean over the scenes, and below it every scene.
 
     What is missing or infinite is left out as a gap, and counted in the legend.
@@ -110,6 +116,8 @@ def draw(psnr: pd.DataFrame, order: Sequence[str], order_label: str) -> Figure:
         Materials from left to right.
     order_label : str
         What that order is, for the axis.
+    colors : mapping of str to str, optional
+        Colours of variants, in place of the project's.
     """
     mean, scenes = _panels(psnr)
     panels = {f"scene {name}": panel for name, panel in scenes.items()}
@@ -123,7 +131,7 @@ def draw(psnr: pd.DataFrame, order: Sequence[str], order_label: str) -> Figure:
     with style.context():
         figure, axes = _axes(len(panels), names_height, 1 + -(-len(legend) // columns))
         for ax, (title, panel) in zip(axes, panels.items(), strict=True):
-            _draw_panel(ax, panel, title)
+            _draw_panel(ax, panel, title, style.looks(panel.columns, colors))
         axes[-1].set_xticks(range(len(order)), order, rotation=90, fontsize=name_size)
         axes[-1].set_xlabel(order_label)
         figure.legend(
@@ -161,8 +169,8 @@ def _axes(panels: int, names_height: float, legend_lines: int) -> tuple[Figure, 
     return figure, axes[:, 0]
 
 
-def _draw_panel(ax: Axes, panel: pd.DataFrame, title: str) -> None:
-    for variant, look in style.looks(panel.columns).items():
+def _draw_panel(ax: Axes, panel: pd.DataFrame, title: str, looks: Mapping[str, style.Look]) -> None:
+    for variant, look in looks.items():
         values = panel[variant].where(np.isfinite(panel[variant]))
         ax.plot(
             range(len(values)),

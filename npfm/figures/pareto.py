@@ -1,6 +1,7 @@
 """Mean PSNR against mean seconds, and against bytes, of every variant by every solver."""
 
 import argparse
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
@@ -21,24 +22,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--fits", nargs="+", required=True, help="CSVs made by npfm accuracy-cost fits"
     )
+    style.add_colors(parser)
 
 
 def make(arguments: argparse.Namespace) -> Figure:
     """Draw the figure from the tables that the arguments name."""
-    return draw(read(arguments.fits, FITS))
+    return draw(read(arguments.fits, FITS), style.colors(arguments))
 
 
-def draw(fits: pd.DataFrame) -> Figure:
+def draw(fits: pd.DataFrame, colors: Mapping[str, str] | None = None) -> Figure:
     """Draw one mark a variant and solver, its area in proportion to the bytes of a fit.
 
     Parameters
     ----------
     fits : DataFrame
         As `npfm.accuracy_cost.tables.fits` makes it, of all materials; the stage ``model`` counts.
+    colors : mapping of str to str, optional
+        Colours of variants, in place of the project's.
     """
     models = fits[fits["stage"] == "model"].groupby("setting", sort=False)
     means = models.agg({"seconds": "mean", "bytes": "max", "psnr_db": "mean"})
-    marks = _marks(list(means.index))
+    marks = _marks(list(means.index), colors)
     lines = 2 + -(-(len(means) + 1) // LEGEND_COLUMNS)
     with style.context():
         size = style.PAGE_WIDTH, HEIGHT + LEGEND_LINE * lines
@@ -79,10 +83,10 @@ def front(costs: pd.Series, values: pd.Series) -> list[int]:
     return kept
 
 
-def _marks(settings: list[str]) -> dict[str, dict]:
+def _marks(settings: list[str], colors: Mapping[str, str] | None) -> dict[str, dict]:
     """How each variant and solver is drawn, by its label."""
     names = [setting.partition("/")[::2] for setting in settings]
-    looks = style.looks(list(dict.fromkeys(variant for variant, _ in names)))
+    looks = style.looks(list(dict.fromkeys(variant for variant, _ in names)), colors)
     return {
         ", ".join(filter(None, (variant, solver))): {
             "marker": looks[variant].marker,

@@ -1,8 +1,10 @@
 """How every figure looks: sizes, fonts, one colour and marker a variant, and how it is saved."""
 
-from collections.abc import Sequence
+import argparse
+import re
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import cycle
 from pathlib import Path
 from typing import Any
@@ -86,10 +88,47 @@ OTHER_COLORS = ("#AA4499", "#999933", "#332288")
 OTHER_MARKERS = ("v", "P", "X", "*")
 
 
-def looks(variants: Sequence[str]) -> dict[str, Look]:
-    """Return the look of each variant: its own where it has one, else the next free one."""
+def looks(variants: Sequence[str], colors: Mapping[str, str] | None = None) -> dict[str, Look]:
+    """Return the look of each variant: its own where it has one, else the next free one.
+
+    Parameters
+    ----------
+    variants : sequence of str
+        Names.
+    colors : mapping of str to str, optional
+        Colours of some of them, in place of the project's.
+    """
     others = zip(cycle(OTHER_COLORS), cycle(OTHER_MARKERS), strict=False)
-    return {name: LOOKS.get(name) or Look(*next(others), "--") for name in variants}
+    own = {name: LOOKS.get(name) or Look(*next(others), "--") for name in variants}
+    return {
+        name: replace(look, color=(colors or {}).get(name, look.color))
+        for name, look in own.items()
+    }
+
+
+def add_colors(parser: argparse.ArgumentParser) -> None:
+    """Declare ``--colors``, which `colors` reads."""
+    parser.add_argument(
+        "--colors",
+        nargs="+",
+        default=[],
+        metavar="NAME=#RRGGBB",
+        help="colours of variants, in place of the project's",
+    )
+
+
+def colors(arguments: argparse.Namespace) -> dict[str, str]:
+    """Return the colours that ``--colors`` names, by variant.
+
+    Raises
+    ------
+    NpfmError
+        If one is not written NAME=#RRGGBB.
+    """
+    for given in arguments.colors:
+        if not re.fullmatch("[^=]+=#[0-9A-Fa-f]{6}", given):
+            raise NpfmError(f"--colors: '{given}' is not written NAME=#RRGGBB")
+    return dict(given.split("=") for given in arguments.colors)
 
 
 def context() -> AbstractContextManager:

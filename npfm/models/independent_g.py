@@ -28,6 +28,7 @@ from npfm.solvers.problem import Solve
 
 NAME = "independent-g"
 COEFFICIENTS = ("rho_d", "rho_s")
+RANDOM = True
 SETTINGS = {"starts": "the first so many of the eight starts (default: 8)"}
 CLAMP = 1e-6  # smallest component of a factor (section 4.3, "Dynamic range clamping")
 STARTS, RANDOM_STARTS = 8, 4  # section 5

@@ -29,6 +29,7 @@ from npfm.solvers.problem import Solve
 NAME = "low-rank-b"
 COEFFICIENTS = ("U", "rho_d")
 SIGNED = ("U", "V")  # their products alone mean something
+RANDOM = True
 SETTINGS = {"rank": "products in B (default: 4)"}
 RANK = 4  # products in B
 RANDOM_STARTS = 2

@@ -1,3 +1,4 @@
+import argparse
 import math
 import time
 
@@ -134,6 +135,15 @@ def test_variants_keep_their_looks_and_others_differ():
     assert looks["naive"] == style.LOOKS["naive"]
     assert looks["bivariate"] == style.LOOKS["bivariate"]
     assert len(set(looks.values())) == 14
+
+
+def test_a_colour_of_the_users_takes_the_place_of_ours():
+    looks = style.looks(["naive", "bivariate"], {"naive": "#123456"})
+    assert looks["naive"].color == "#123456"
+    assert looks["naive"].marker == style.LOOKS["naive"].marker
+    assert looks["bivariate"] == style.LOOKS["bivariate"]
+    with pytest.raises(NpfmError, match="'naive' is not written"):
+        style.colors(argparse.Namespace(colors=["naive"]))
 
 
 def test_the_verb_draws_the_same_bytes_again(tmp_path, monkeypatch):

@@ -24,6 +24,7 @@ CONFIG = {
         "naive",
         {"name": "old", "model": "naive", "solver": {"method": "awls"}},
     ],
+    "colors": {},
     "lights": {name: {"generate": name} for name in ("cathedral", "grove")},
     "light_height": 16,
     "scenes": {

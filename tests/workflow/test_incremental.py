@@ -68,6 +68,22 @@ def test_an_edit_of_a_figure_reruns_that_figure(project):
     assert project.planned(*TARGETS) == {name for name in GATHERED if name.startswith("figures")}
 
 
+def test_another_colour_redraws_what_has_it(project):
+    project.configure(colors={"naive": "#123456"})
+    assert project.planned() == {name for name in GATHERED if name.startswith("figures")}
+
+
+def test_another_seed_fits_again_what_starts_at_random(project):
+    targets = [f"results/tiny/fits/{name}/chalk.npz" for name in ("naive", "independent-g")]
+    chosen = {"variants": ["naive", "independent-g"]}
+    project.configure(**chosen)
+    run = project.snakemake(*targets)
+    assert run.returncode == 0, run.stderr
+    project.configure(**chosen, seed=2)
+    assert project.planned(*targets) == fits("independent-g")
+    assert project.planned("results/tiny/scenes/A", "results/tiny/materials/chalk.binary") == set()
+
+
 def test_another_exposure_reruns_the_pictures_of_that_scene(project):
     scenes = project.config["scenes"] | {"A": project.config["scenes"]["A"] | {"exposure": 0.5}}
     project.configure(scenes=scenes)

@@ -180,9 +180,12 @@ rule accuracy_cost_figure:
             (f"npfm.figures.{wildcards.figure}",), ("npfm.commands.figure",)
         ),
         option=lambda wildcards: COST_FIGURES[wildcards.figure][0],
+        colors=lambda wildcards: (
+            RUN.colors_option if wildcards.figure == "pareto" else ""
+        ),
     shell:
         "python -m npfm figure {wildcards.figure} {params.option} {input}"
-        " -o {output} 2> {log}"
+        " {params.colors} -o {output} 2> {log}"
 
 
 rule accuracy_cost:

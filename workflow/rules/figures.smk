@@ -30,9 +30,10 @@ rule figure08:
         materials=lambda wildcards, input: (
             f"--materials {input.materials}" if input.materials else ""
         ),
+        colors=RUN.colors_option,
     shell:
         "python -m npfm figure figure08 --psnr {input.psnr} {params.materials}"
-        " --order {wildcards.order} -o {output.pdf} {output.png} 2> {log}"
+        " --order {wildcards.order} {params.colors} -o {output.pdf} {output.png} 2> {log}"
 
 
 rule table1:
