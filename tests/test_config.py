@@ -45,7 +45,7 @@ def test_presets_are_valid_and_named_after_their_file(preset, data, tmp_path):
     run = check(configured(**changes))
     assert run.folder == f"results/{preset.stem}"
     assert (
-        len(run.materials) == {"smoke": 3, "neural-10": 10, "neural": 100, "merl": 1}[preset.stem]
+        len(run.materials) == {"smoke": 2, "neural-10": 10, "neural": 100, "merl": 1}[preset.stem]
     )
 
 
