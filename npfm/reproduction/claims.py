@@ -60,7 +60,7 @@ OPPONENT = (
 )
 BILGILI = (
     "the paper has its authors' own fits to the measured tables, and ours is the method made "
-    "again; tables of small networks have no noise, which a sum of twenty products would have to follow"
+    "again; tables of small networks have no noise, which twenty products would have to follow"
 )
 STARTS = "the solver is Gauss-Newton here, which stops in other places than the paper's alternation"
 TABLES = (
