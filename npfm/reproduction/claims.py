@@ -42,9 +42,9 @@ class Topic:
 
 
 LEVEL = (
-    "the level of a PSNR depends on the brightest pixel and on how noisy the tables are: our "
-    "tables, probes' resolution and renderer are not the paper's, and its 100 materials count as a "
-    "whole; differences between models say more than levels"
+    "the level of a PSNR hangs on the brightest pixel of a rendering, and with it on lights, "
+    "shapes, camera and resolution, which the paper does not give; and published fits were made "
+    "for the measured tables. Differences between models say more than levels"
 )
 ORDER = (
     "models whose averages are close in the paper change places with the choice of materials; of "
