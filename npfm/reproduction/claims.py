@@ -47,8 +47,8 @@ LEVEL = (
     "for the measured tables. Differences between models say more than levels"
 )
 ORDER = (
-    "models whose averages are close in the paper change places with the choice of materials; of "
-    "tables without noise, models with more parameters may gain more"
+    "models whose averages are close in the paper change places with the choice of materials; and "
+    "not all of the opponents' fits are those that the paper compares with"
 )
 SOLVER = (
     "the tables used here are smoother than measured ones, and Gauss-Newton may reach lower minima "
@@ -63,8 +63,8 @@ OPPONENT = (
     "both stand elsewhere than in the paper"
 )
 BILGILI = (
-    "the paper has its authors' own fits to the measured tables, and ours is the method made "
-    "again; tables of small networks have no noise, which twenty products would have to follow"
+    "the paper has its authors' own fits to the measured tables; ours is the method made again, "
+    "and what was chosen where the original is not known may serve it better"
 )
 STARTS = "the solver is Gauss-Newton here, which stops in other places than the paper's alternation"
 TABLES = (
