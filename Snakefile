@@ -2,9 +2,9 @@
 
 import sys
 
-from npfm.config import check, prefer_this_python
+from npfm.run.config import check, prefer_this_python
 from npfm.errors import NpfmError
-from npfm.provenance import digest
+from npfm.run.provenance import digest
 
 
 configfile: "config.yaml"
@@ -42,7 +42,7 @@ include: "workflow/rules/paper_figures_factors.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/reproduction.smk"
 include: "workflow/rules/accuracy_cost.smk"
-include: "workflow/rules/effects.smk"
+include: "workflow/rules/effects_cost.smk"
 include: "workflow/rules/stability.smk"
 
 

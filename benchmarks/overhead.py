@@ -35,9 +35,9 @@ WRITTEN = ("-o", "--record", "--pictures")
 RENDERING = """
 import sys
 import numpy as np
-from npfm import transport
-from npfm.merl import Table
-from npfm.grid import MERL
+from npfm.rendering import transport
+from npfm.reflectance.half_difference import MERL
+from npfm.reflectance.table import Table
 matrix = transport.load(sys.argv[1])
 transport.render(matrix, Table(np.full((3, *MERL.shape), 0.1)))
 print("rendered", flush=True)

@@ -34,9 +34,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 from records import jobs, size
 
-from npfm import transport
 from npfm.figures import style
-from npfm.merl import read_binary
+from npfm.reflectance.merl import read_binary
+from npfm.rendering import transport
 
 SIZES = (32, 64, 128, 192)
 SHARES = (1 / 8, 1 / 4, 1 / 2, 1)

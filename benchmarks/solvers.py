@@ -30,11 +30,11 @@ os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
 
 import pandas as pd
 
-from npfm import variants
-from npfm.merl import read_binary
-from npfm.objective import Objective
-from npfm.solvers import awls
-from npfm.solvers.problem import Solver
+from npfm.fitting.objective import Objective
+from npfm.fitting.solvers import awls
+from npfm.fitting.solvers.problem import Solver
+from npfm.reflectance.merl import read_binary
+from npfm.run import variants
 
 MODELS = ("independent-g", "g-from-d", "naive", "bivariate")
 GENEROUS, BUDGET, NEAR = 10, 25, 1e-3

@@ -25,7 +25,7 @@ VERBS = {
     "tables": "gather fits and pictures into the tables of a run",
     "figure": "draw a figure from the tables of a run",
     "reproduction": "put the paper's claims to the tables of a run, as a page of Markdown",
-    "effects": "what effects cost and change, switched off and on",
+    "effects-cost": "what effects cost and change, switched off and on",
     "accuracy-cost": "tables of what accuracy costs in time",
 }
 
@@ -55,8 +55,8 @@ def _command(verb: str) -> ModuleType:
             from npfm.commands import figure as module
         case "reproduction":
             from npfm.commands import reproduction as module
-        case "effects":
-            from npfm.commands import effects as module
+        case "effects-cost":
+            from npfm.commands import effects_cost as module
         case "accuracy-cost":
             from npfm.commands import accuracy_cost as module
     return module

@@ -9,8 +9,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.grid import MERL, Grid
-from npfm.merl import INVALID, Table
+from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.table import INVALID, Table
 
 Array = NDArray[np.float64]
 

@@ -17,19 +17,20 @@ import pandas as pd
 from hard_cases import CASES
 from numpy.typing import NDArray
 
-from npfm import tables, variants
 from npfm.errors import NpfmError
-from npfm.fits import Fit
-from npfm.merl import Table
+from npfm.evaluation import tables
+from npfm.fitting.channels import STORED
+from npfm.fitting.fits import Fit
+from npfm.fitting.objective import Objective, Samples, channel_samples, evaluate, fold
+from npfm.fitting.solvers.normal import system
+from npfm.fitting.solvers.problem import Solver
 from npfm.models.bivariate_g import BivariateGProblem
-from npfm.models.channels import STORED
 from npfm.models.g_from_d import GFromDProblem
 from npfm.models.independent_g import IndependentGProblem
 from npfm.models.low_rank_b import Compressor
 from npfm.models.naive import NaiveProblem
-from npfm.objective import Objective, Samples, channel_samples, evaluate, fold
-from npfm.solvers.normal import system
-from npfm.solvers.problem import Solver
+from npfm.reflectance.table import Table
+from npfm.run import variants
 
 COLUMNS = [
     "case", "variant", "solver", "status", "finite", "objective", "objective_floor", "condition",

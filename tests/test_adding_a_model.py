@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 import yaml
 
-from npfm.grid import MERL
-from npfm.merl import INVALID, Table, read_binary, write_binary
+from npfm.reflectance.half_difference import MERL
+from npfm.reflectance.merl import read_binary, write_binary
+from npfm.reflectance.table import INVALID, Table
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "adding-a-model.md").read_text()
@@ -26,8 +27,8 @@ def project(tmp_path_factory):
     folder = tmp_path_factory.mktemp("project")
     for name in ("npfm", "workflow", "tests/models"):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("pyproject.toml", "config.yaml"):
-        shutil.copy(ROOT / name, folder)
+    for name in ("pyproject.toml", "config.yaml", "tests/conftest.py"):
+        shutil.copy(ROOT / name, folder / name)
     (folder / FILE).write_text(EXAMPLE)
     return folder
 
@@ -75,15 +76,15 @@ def test_the_line_of_the_page_is_all_that_a_configuration_needs(project):
     configuration = yaml.safe_load((ROOT / "config.yaml").read_text()) | changes
     (project / "mine.yaml").write_text(yaml.safe_dump(configuration))
     code = (
-        "import yaml; from npfm import config, provenance;"
+        "import yaml; from npfm.run import config, provenance;"
         "run = config.check(yaml.safe_load(open('mine.yaml')));"
         "print(run.fit_code('schlick')); print(run.variants['schlick'].options);"
         "print(*provenance.closure(['npfm.models.schlick']))"
     )
     before, options, closure = run(project, "-c", code).splitlines()
     assert options.startswith("--variant schlick ")
-    assert "npfm.models.channels" in closure.split()
-    assert "npfm.solvers.gauss_newton" not in closure.split()
+    assert "npfm.fitting.channels" in closure.split()
+    assert "npfm.fitting.solvers.gauss_newton" not in closure.split()
     (project / FILE).write_text(EXAMPLE.replace("** 5", "** 4"))
     after = run(project, "-c", code).splitlines()[0]
     assert before != after

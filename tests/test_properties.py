@@ -6,12 +6,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from npfm import variants
-from npfm.angles import directions, half_difference
-from npfm.fits import Fit
-from npfm.grid import Grid
-from npfm.models.microfacet import G_NODES
-from npfm.objective import compressive_weight, counted, importance, volume_form, weighted_median
+from npfm.fitting.factors.microfacet import G_NODES
+from npfm.fitting.fits import Fit
+from npfm.fitting.objective import (
+    compressive_weight,
+    counted,
+    importance,
+    volume_form,
+    weighted_median,
+)
+from npfm.reflectance.angles import directions, half_difference
+from npfm.reflectance.half_difference import Grid
+from npfm.run import variants
 
 #: The same examples at every run, without a time limit for each.
 settings.register_profile("same", derandomize=True, deadline=None, max_examples=60, database=None)

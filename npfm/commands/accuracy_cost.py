@@ -6,11 +6,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from npfm import tables, transport
-from npfm.accuracy_cost import tables as costs
 from npfm.commands.sources import table
 from npfm.errors import NpfmError
-from npfm.merl import read_binary
+from npfm.evaluation import accuracy_cost as costs
+from npfm.evaluation import tables
+from npfm.reflectance.merl import read_binary
+from npfm.rendering import transport
 
 EXAMPLE = """\
 examples:

@@ -3,8 +3,8 @@
 import argparse
 from pathlib import Path
 
-from npfm.comparison import decibels
-from npfm.pictures import read_exr, write_exr_parts
+from npfm.evaluation.comparison import decibels
+from npfm.storage.pictures import read_exr, write_exr_parts
 
 EXAMPLE = """\
 example:

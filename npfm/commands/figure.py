@@ -33,7 +33,7 @@ FIGURES = {
     "convergence": "objective against seconds, every start by both solvers",
     "pareto": "mean PSNR (dB) against mean seconds of a fit, and against its bytes",
     "settings": "PSNR (dB) and seconds against the number of starts and the tolerance",
-    "effects": "what each effect costs in each scene, and where it changes the picture",
+    "effects_cost": "what each effect costs in each scene, and where it changes the picture",
     "sampling": "error of pictures (dB) against samples a pixel and seconds",
 }
 
@@ -77,8 +77,8 @@ def _figure(name: str) -> ModuleType:
             from npfm.figures import pareto as module
         case "settings":
             from npfm.figures import settings as module
-        case "effects":
-            from npfm.figures import effects as module
+        case "effects_cost":
+            from npfm.figures import effects_cost as module
         case "sampling":
             from npfm.figures import sampling as module
     return module

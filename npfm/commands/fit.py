@@ -7,14 +7,15 @@ from typing import Any
 
 from tqdm import tqdm
 
-from npfm import fits, variants
 from npfm.commands.numbers import positive, whole
-from npfm.datasets import fit_files
-from npfm.datasets.fit_files import FitFile
+from npfm.datasets import parameter_files
+from npfm.datasets.parameter_files import FitFile
 from npfm.errors import NpfmError, suggest
-from npfm.merl import read_binary
-from npfm.objective import Objective
-from npfm.solvers.problem import Solve, Solver
+from npfm.fitting import fits
+from npfm.fitting.objective import Objective
+from npfm.fitting.solvers.problem import Solve, Solver
+from npfm.reflectance.merl import read_binary
+from npfm.run import variants
 
 EXAMPLE = """\
 example:
@@ -110,12 +111,12 @@ def _given(arguments: argparse.Namespace) -> dict[str, Any]:
     return given
 
 
-def _parameters(arguments: argparse.Namespace, file: FitFile) -> fit_files.Parameters:
+def _parameters(arguments: argparse.Namespace, file: FitFile) -> parameter_files.Parameters:
     """Return the published parameters of the material that the table is named after."""
     path = arguments.published
     if path is None:
         raise NpfmError(f"'{arguments.variant}' needs --published, the path of {file.name}")
-    name, found = Path(arguments.table).stem, fit_files.read(path, file)
+    name, found = Path(arguments.table).stem, parameter_files.read(path, file)
     if name not in found:
         raise NpfmError(f"{path}: no line for the material '{name}'; {suggest(name, found)}")
     return found[name]

@@ -4,7 +4,7 @@ import argparse
 
 from npfm.commands.numbers import whole
 from npfm.errors import NpfmError
-from npfm.lights import environment
+from npfm.rendering.lights import environment
 
 EXAMPLE = """\
 examples:
@@ -29,11 +29,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Convert or generate."""
     if arguments.generate:
-        from npfm.lights.generated import generate
+        from npfm.rendering.lights.generated import generate
 
         light = generate(arguments.generate, arguments.height)
     else:
-        from npfm.lights.formats import LAYOUTS, load_probe
+        from npfm.rendering.lights.formats import LAYOUTS, load_probe
 
         if not arguments.layout:
             raise NpfmError(

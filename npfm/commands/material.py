@@ -6,8 +6,8 @@ from pathlib import Path
 
 from npfm.commands.numbers import whole
 from npfm.errors import NpfmError
-from npfm.files import replacing
-from npfm.merl import read_binary, write_binary
+from npfm.reflectance.merl import read_binary, write_binary
+from npfm.storage.files import replacing
 
 EXAMPLE = """\
 examples:
@@ -51,12 +51,12 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _link(arguments: argparse.Namespace) -> None:
-    from npfm.datasets import directory
+    from npfm.datasets import merl_folder
 
     folder = Path(arguments.source)
     if arguments.url and not (folder / f"{arguments.merl}.binary").exists():
-        directory.download(arguments.url, arguments.merl, folder)
-    source = directory.path(folder, arguments.merl)
+        merl_folder.download(arguments.url, arguments.merl, folder)
+    source = merl_folder.path(folder, arguments.merl)
     read_binary(source)
     if Path(arguments.output).resolve() == source.resolve():
         raise NpfmError(f"{arguments.output}: is the file to link to; give another output")

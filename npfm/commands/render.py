@@ -5,10 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
-from npfm import pictures, transport
 from npfm.commands.numbers import positive
 from npfm.commands.sources import table
-from npfm.merl import INVALID, Table, read_binary
+from npfm.reflectance.merl import read_binary
+from npfm.reflectance.table import INVALID, Table
+from npfm.rendering import transport
+from npfm.storage import pictures
 
 EXAMPLE = """\
 examples:

@@ -4,11 +4,11 @@ import argparse
 import os
 from pathlib import Path
 
-from npfm import tables
+from npfm.evaluation import tables
+from npfm.evaluation.head_to_head import renderings as by_rendering
 from npfm.figures import figure10, renderings
-from npfm.head_to_head import renderings as by_rendering
-from npfm.reproduction import page
-from npfm.reproduction.evidence import Evidence, starts
+from npfm.papers import page
+from npfm.papers.evidence import Evidence, starts
 
 EXAMPLE = """\
 example:

@@ -7,11 +7,11 @@ import time
 from collections import Counter
 from pathlib import Path
 
-from npfm import assembly, effects, scenes, transport
 from npfm.commands.numbers import whole
-from npfm.files import replacing
-from npfm.grid import MERL
-from npfm.lights import environment
+from npfm.reflectance.half_difference import MERL
+from npfm.rendering import assembly, effects, scenes, transport
+from npfm.rendering.lights import environment
+from npfm.storage.files import replacing
 
 EXAMPLE = """\
 example:

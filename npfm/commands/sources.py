@@ -2,9 +2,11 @@
 
 from pathlib import Path
 
-from npfm import fits, variants
-from npfm.fits import Fit
-from npfm.merl import Table, read_binary
+from npfm.fitting import fits
+from npfm.fitting.fits import Fit
+from npfm.reflectance.merl import read_binary
+from npfm.reflectance.table import Table
+from npfm.run import variants
 
 
 def tabulate(fit: Fit) -> Table:

@@ -4,7 +4,7 @@ import argparse
 
 import pandas as pd
 
-from npfm import tables
+from npfm.evaluation import tables
 
 #: What each table holds, and what it is made from.
 KINDS = {
@@ -91,12 +91,12 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _published(a: argparse.Namespace) -> pd.DataFrame:
     """Compare the published factors of the materials that have some."""
-    from npfm import published_distance, published_factors
     from npfm.commands.sources import table
+    from npfm.papers import authors_distance, authors_factors
 
-    published = published_factors.read(a.factors)
+    published = authors_factors.read(a.factors)
     found = [
-        published_distance.distance(
+        authors_distance.distance(
             name,
             table(f"{a.run}/materials/{name}.binary"),
             published[name],
@@ -105,7 +105,7 @@ def _published(a: argparse.Namespace) -> pd.DataFrame:
         for name in a.materials
         if name in published
     ]
-    return pd.concat(found) if found else pd.DataFrame(columns=published_distance.COLUMNS)
+    return pd.concat(found) if found else pd.DataFrame(columns=authors_distance.COLUMNS)
 
 
 def _example(kind: str) -> str:

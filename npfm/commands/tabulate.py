@@ -2,9 +2,9 @@
 
 import argparse
 
-from npfm import fits
 from npfm.commands.sources import tabulate
-from npfm.merl import write_binary
+from npfm.fitting import fits
+from npfm.reflectance.merl import write_binary
 
 EXAMPLE = """\
 example:

@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from npfm import fits
-from npfm.pictures import write_exr
-from npfm.texture import labels, texture
+from npfm.exports.texture import labels, texture
+from npfm.fitting import fits
+from npfm.storage.pictures import write_exr
 
 EXAMPLE = """\
 example:

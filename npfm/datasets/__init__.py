@@ -1,5 +1,6 @@
-"""Sources of measured tables: `synthetic`, `directory` (key ``merl``) and `neural`.
+"""Sources of measured tables: `synthetic`, `merl_folder` (key ``merl``) and `neural`.
 
 Each has ``materials(...)``, the sorted names it offers. `synthetic` and `neural` have ``load``,
-which gives a table; `directory` has ``path`` and ``download``, since its tables are files already.
+which gives a table; `merl_folder` has ``path`` and ``download``, since its tables are files
+already.
 """

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError, suggest
-from npfm.grid import MERL
-from npfm.merl import INVALID, Table
+from npfm.reflectance.half_difference import MERL
+from npfm.reflectance.table import INVALID, Table
 
 #: Inputs and outputs of the layers ``dense_1``, ``dense_2`` and ``dense_3``.
 LAYERS = {"dense_1": (6, 21), "dense_2": (21, 21), "dense_3": (21, 3)}

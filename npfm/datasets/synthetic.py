@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from npfm.datasets.formulas import Angles, beckmann_lobe, fresnel, ggx_lobe, rough_diffuse
 from npfm.errors import NpfmError, suggest
-from npfm.grid import MERL
-from npfm.merl import INVALID, Table
+from npfm.reflectance.half_difference import MERL
+from npfm.reflectance.table import INVALID, Table
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from npfm.accuracy_cost.tables import TRACES, read
+from npfm.evaluation.accuracy_cost import TRACES, read
 from npfm.figures import style
 
 PANEL_HEIGHT, LEGEND_HEIGHT = 1.2, 0.75  # inches
@@ -39,7 +39,7 @@ def draw(traces: pd.DataFrame) -> Figure:
     Parameters
     ----------
     traces : DataFrame
-        As `npfm.accuracy_cost.tables.traces` makes it.
+        As `npfm.evaluation.accuracy_cost.traces` makes it.
     """
     materials, channels = traces["material"].unique(), traces["channel"].unique()
     size = style.PAGE_WIDTH, PANEL_HEIGHT * len(materials) + LEGEND_HEIGHT

@@ -8,10 +8,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from npfm.figures import slices, style
-from npfm.grid import Grid
-from npfm.merl import Table, read_binary
-from npfm.objective import Objective, channel_samples, counted, importance, volume_form
+from npfm.figures import slice_axes, style
+from npfm.fitting.objective import Objective, channel_samples, counted, importance, volume_form
+from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.merl import read_binary
+from npfm.reflectance.table import Table
 
 CHANNEL = 1  # green
 PHI_D = (0, 45, 90)  # degrees, of the slices
@@ -72,11 +73,11 @@ def draw(weights: Mapping[str, NDArray], grid: Grid, material: str) -> Figure:
         axes = figure.subplots(len(rows), len(weights), sharex=True, sharey=True, squeeze=False)
         for line, (phi, k) in zip(axes, rows.items(), strict=True):
             for ax, values in zip(line, weights.values(), strict=True):
-                image = slices.show(ax, values[..., k], cmap=COLORS, vmin=0, vmax=1)
+                image = slice_axes.show(ax, values[..., k], cmap=COLORS, vmin=0, vmax=1)
             line[0].set_ylabel(rf"$\phi_d = {phi}\degree$")
         for ax, name in zip(axes[0], weights, strict=True):
             ax.set_title(name)
-        slices.label(axes)
+        slice_axes.label(axes)
         bar = figure.colorbar(image, ax=axes, shrink=0.5, aspect=30, pad=0.01)
         bar.set_label(f"share of the largest ({material}, green channel)")
     return figure

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from npfm.figures import style
-from npfm.objective import COMPRESSION_ALPHA, compressed
+from npfm.fitting.objective import COMPRESSION_ALPHA, compressed
 
 HEIGHT = 2.2  # inches
 LARGEST = 6.0  # of x

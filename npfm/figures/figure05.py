@@ -7,11 +7,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from npfm import fits
 from npfm.errors import NpfmError
-from npfm.figures import slices, style
-from npfm.merl import Table, read_binary
-from npfm.objective import (
+from npfm.figures import slice_axes, style
+from npfm.fitting import fits
+from npfm.fitting.objective import (
     COMPRESSION_ALPHA,
     Objective,
     compressed,
@@ -20,6 +19,8 @@ from npfm.objective import (
     volume_form,
     weighted_median,
 )
+from npfm.reflectance.merl import read_binary
+from npfm.reflectance.table import Table
 
 MODELS = ("independent-g", "g-from-d", "naive")
 HEADING, PITCH = 0.45, 1.62  # inches
@@ -101,9 +102,9 @@ def draw(rows: Mapping[str, Mapping[str, NDArray]]) -> Figure:
         axes = figure.subplots(len(rows), len(columns), sharex=True, sharey=True, squeeze=False)
         for line, (material, row) in zip(axes, rows.items(), strict=True):
             for ax, name in zip(line, columns, strict=True):
-                slices.show(ax, row[name])
+                slice_axes.show(ax, row[name])
             line[0].set_ylabel(material)
         for ax, name in zip(axes[0], columns, strict=True):
             ax.set_title(name)
-        slices.label(axes)
+        slice_axes.label(axes)
     return figure

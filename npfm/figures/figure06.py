@@ -10,12 +10,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from npfm import fits, published_factors
 from npfm.errors import NpfmError
 from npfm.figures import style
-from npfm.figures.slices import TICKS_H
-from npfm.grid import MERL
-from npfm.merl import CHANNELS
+from npfm.figures.slice_axes import TICKS_H
+from npfm.fitting import fits
+from npfm.papers import authors_factors
+from npfm.reflectance.half_difference import MERL
+from npfm.reflectance.table import CHANNELS
 
 PANEL_HEIGHT, LEGEND_HEIGHT = 1.35, 0.4  # inches
 #: Okabe and Ito's colours nearest to the channels' own.
@@ -53,7 +54,7 @@ def make(arguments: argparse.Namespace) -> Figure:
     """Draw the figure from the fits that the arguments name."""
     a = arguments
     ours = {Path(path).stem: _factors(path) for path in a.fits}
-    return draw(ours, published_factors.read(a.published) if a.published else {})
+    return draw(ours, authors_factors.read(a.published) if a.published else {})
 
 
 def _factors(path: str) -> Curves:

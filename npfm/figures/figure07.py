@@ -7,8 +7,8 @@ from pathlib import Path
 import pandas as pd
 from matplotlib.figure import Figure
 
-from npfm import tables
 from npfm.errors import NpfmError
+from npfm.evaluation import tables
 from npfm.figures import renderings, style
 
 

@@ -8,8 +8,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from npfm import tables
 from npfm.errors import NpfmError
+from npfm.evaluation import tables
 from npfm.figures import style
 
 REFERENCE_VARIANT = "independent-g"  # whose error sorts the materials in the paper

@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from npfm import tables
+from npfm.evaluation import tables
 from npfm.figures import renderings, style
-from npfm.figures.choice import CAPTIONS
 from npfm.figures.renderings import Window
+from npfm.papers.captions import CAPTIONS
 
 INSET = 0.4  # side of an inset, of the picture's
 #: Left and lower edge of an inset; in the fourth corner stands the PSNR.

@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 from matplotlib.figure import Figure
 
-from npfm import tables
+from npfm.evaluation import tables
 from npfm.figures import renderings, style
 from npfm.figures.renderings import Row
 

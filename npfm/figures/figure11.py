@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 from matplotlib.figure import Figure
 
-from npfm import tables
+from npfm.evaluation import tables
 from npfm.figures import renderings, style
 
 #: Rows where the bivariate model gains most, and then where it loses most, as in the paper.

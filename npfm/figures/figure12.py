@@ -7,9 +7,9 @@ from pathlib import Path
 import pandas as pd
 from matplotlib.figure import Figure
 
-from npfm import tables
+from npfm.evaluation import tables
 from npfm.figures import renderings, scores, style
-from npfm.figures.choice import CAPTIONS
+from npfm.papers.captions import CAPTIONS
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

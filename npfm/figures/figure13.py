@@ -4,9 +4,9 @@ import argparse
 
 from matplotlib.figure import Figure
 
-from npfm import tables
+from npfm.evaluation import tables
 from npfm.figures import figure12
-from npfm.figures.choice import CAPTIONS
+from npfm.papers.captions import CAPTIONS
 
 add_arguments = figure12.add_arguments
 draw = figure12.draw

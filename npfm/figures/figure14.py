@@ -12,10 +12,10 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from npfm import comparison, metrics, tables
+from npfm.evaluation import comparison, metrics, tables
 from npfm.figures import renderings, style
-from npfm.figures.choice import CAPTIONS, chosen
-from npfm.pictures import read_exr
+from npfm.papers.captions import CAPTIONS, chosen
+from npfm.storage.pictures import read_exr
 
 COLORS = "Reds"  # the paper's hue; darker steadily, so that it needs no colour to be read
 OUTSIDE = "0.75"  # of pixels that no object covers

@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from npfm import fits
+from npfm.exports.texture import rows, texture
 from npfm.figures import style
-from npfm.figures.slices import TICKS_D, TICKS_H
-from npfm.texture import rows, texture
+from npfm.figures.slice_axes import TICKS_D, TICKS_H
+from npfm.fitting import fits
 
 COEFFICIENT_HEIGHT, FACTOR_HEIGHT = 0.16, 1.15  # inches
 POINTS, LETTER = 72, 0.62  # points an inch; width of a letter, of its size

@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 from matplotlib.figure import Figure
 
-from npfm import tables
+from npfm.evaluation import tables
 from npfm.figures import style
 from npfm.figures.renderings import MEASURED, Row, picture, show
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from npfm.accuracy_cost.tables import FITS, read
+from npfm.evaluation.accuracy_cost import FITS, read
 from npfm.figures import style
 
 HEIGHT, LEGEND_LINE, LEGEND_COLUMNS = 2.6, 0.16, 3  # inches, but for the columns
@@ -36,7 +36,8 @@ def draw(fits: pd.DataFrame, colors: Mapping[str, str] | None = None) -> Figure:
     Parameters
     ----------
     fits : DataFrame
-        As `npfm.accuracy_cost.tables.fits` makes it, of all materials; the stage ``model`` counts.
+        As `npfm.evaluation.accuracy_cost.fits` makes it, of all materials; the stage ``model``
+        counts.
     colors : mapping of str to str, optional
         Colours of variants, in place of the project's.
     """

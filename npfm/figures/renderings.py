@@ -14,11 +14,11 @@ from matplotlib.image import imread
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from npfm.comparison import read_reference
 from npfm.errors import NpfmError
+from npfm.evaluation.comparison import read_reference
+from npfm.evaluation.head_to_head import renderings
 from npfm.figures import style
-from npfm.figures.choice import chosen
-from npfm.head_to_head import renderings
+from npfm.papers.captions import chosen
 
 MEASURED = "measured"
 #: Inches.

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from npfm.accuracy_cost.tables import SAMPLING, read
+from npfm.evaluation.accuracy_cost import SAMPLING, read
 from npfm.figures import style
 
 HEIGHT = 4.4  # inches
@@ -34,7 +34,7 @@ def draw(sampling: pd.DataFrame) -> Figure:
     Parameters
     ----------
     sampling : DataFrame
-        As `npfm.accuracy_cost.tables.sampling` makes it.
+        As `npfm.evaluation.accuracy_cost.sampling` makes it.
     """
     lines = dict(iter(errors(sampling).groupby("sampling", sort=False)))
     looks = style.looks(list(lines))

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from npfm import published
-from npfm.head_to_head import TIE_DB, HeadToHead, head_to_head
+from npfm.evaluation.head_to_head import TIE_DB, HeadToHead, head_to_head
+from npfm.papers import bagher2016
 
 NAME, BAR, AXIS, LEGEND = 0.14, 0.15, 0.36, 0.24  # inches; AXIS is under the bars
 MARGIN = 0.12  # inches, at the ends of the axis
@@ -34,9 +34,9 @@ def count(psnr: pd.DataFrame, ours: str, others: Sequence[str]) -> dict[str, Hea
         By what stands beside the bar.
     """
     scores = {other: head_to_head(psnr, ours, other) for other in others}
-    models = [published.HEAD_TO_HEAD_VARIANTS.get(other) for other in others]
+    models = [bagher2016.HEAD_TO_HEAD_VARIANTS.get(other) for other in others]
     for model in dict.fromkeys(filter(None, models)):
-        scores[f"paper: {model}"] = HeadToHead(*published.HEAD_TO_HEAD[model], missing=0)
+        scores[f"paper: {model}"] = HeadToHead(*bagher2016.HEAD_TO_HEAD[model], missing=0)
     return scores
 
 

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from npfm.accuracy_cost.tables import FITS, read
+from npfm.evaluation.accuracy_cost import FITS, read
 from npfm.figures import style
 
 HEIGHT = 3.8  # inches
@@ -35,8 +35,8 @@ def draw(fits: pd.DataFrame) -> Figure:
     Parameters
     ----------
     fits : DataFrame
-        As `npfm.accuracy_cost.tables.fits` makes it, of all materials; the stages ``starts`` and
-        ``tolerance`` count.
+        As `npfm.evaluation.accuracy_cost.fits` makes it, of all materials; the stages ``starts``
+        and ``tolerance`` count.
     """
     looks = style.looks(list(fits["material"].unique()))
     with style.context():

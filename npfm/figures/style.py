@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from npfm.errors import NpfmError
-from npfm.files import replacing
+from npfm.storage.files import replacing
 
 #: Inches; the text of an ACM Transactions on Graphics page is 7 in wide, a column 3.33 in.
 PAGE_WIDTH, COLUMN_WIDTH = 7.0, 3.33

@@ -1,15 +1,16 @@
-"""The model of Loew et al. 2012 (`npfm.models.abc`), fitted by the objective of the 2016 paper.
+"""The model of Loew et al. 2012, fitted by the objective of the 2016 paper.
 
+The form is that of `npfm.fitting.parametric.abc`.
 Bagher et al. 2016, section 5: "Loew (our metric)", which they minimise by the Ceres solver.
 """
 
-from npfm.fits import Fit
-from npfm.grid import Grid
-from npfm.merl import Table
-from npfm.models import author_metrics, lobe_fits, lobes
-from npfm.models.abc import FORM
-from npfm.objective import Objective
-from npfm.solvers.problem import Solve
+from npfm.fitting.fits import Fit
+from npfm.fitting.objective import Objective
+from npfm.fitting.parametric import author_metrics, lobe_fits, lobes
+from npfm.fitting.parametric.abc import FORM
+from npfm.fitting.solvers.problem import Solve
+from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.table import Table
 
 NAME = "abc-ours"
 COEFFICIENTS = ("rho_d", "rho_s")

@@ -1,15 +1,15 @@
-"""The fits of Loew et al. 2012 (`npfm.models.abc`) that they published: metric E2."""
+"""The fits of Loew et al. 2012 (`npfm.fitting.parametric.abc`) that they published: metric E2."""
 
 import numpy as np
 
-from npfm.datasets.fit_files import DIFFUSE, Parameters
-from npfm.fits import Fit
-from npfm.grid import Grid
-from npfm.merl import Table
-from npfm.models import lobes
-from npfm.models.abc import FORM
-from npfm.objective import Objective
-from npfm.solvers.problem import Solve
+from npfm.datasets.parameter_files import DIFFUSE, Parameters
+from npfm.fitting.fits import Fit
+from npfm.fitting.objective import Objective
+from npfm.fitting.parametric import lobes
+from npfm.fitting.parametric.abc import FORM
+from npfm.fitting.solvers.problem import Solve
+from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.table import Table
 
 NAME = "abc-published"
 COEFFICIENTS = ("rho_d", "rho_s")

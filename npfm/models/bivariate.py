@@ -9,12 +9,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from npfm.fits import Fit, Trace
-from npfm.grid import Grid
-from npfm.merl import Table
-from npfm.models.channels import ChannelFit, as_table, fit_channels
-from npfm.objective import Objective, Samples, evaluate
-from npfm.solvers.problem import Solve
+from npfm.fitting.channels import ChannelFit, as_table, fit_channels
+from npfm.fitting.fits import Fit, Trace
+from npfm.fitting.objective import Objective, Samples, evaluate
+from npfm.fitting.solvers.problem import Solve
+from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.table import Table
 
 NAME = "bivariate"
 COEFFICIENTS = ("B",)

@@ -9,13 +9,13 @@ there are several starts.
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fits import Fit
-from npfm.grid import Grid
-from npfm.merl import Table
-from npfm.models import author_metrics, lobe_fits, lobes
-from npfm.models.lobes import Directions, Form, Shape
-from npfm.objective import Objective
-from npfm.solvers.problem import Solve
+from npfm.fitting.fits import Fit
+from npfm.fitting.objective import Objective
+from npfm.fitting.parametric import author_metrics, lobe_fits, lobes
+from npfm.fitting.parametric.lobes import Directions, Form, Shape
+from npfm.fitting.solvers.problem import Solve
+from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.table import Table
 
 NAME = "cook-torrance"
 COEFFICIENTS = ("rho_d", "rho_s")

@@ -8,14 +8,15 @@ is applied.
 
 import numpy as np
 
-from npfm.datasets.fit_files import DIFFUSE, Parameters
-from npfm.fits import Fit
-from npfm.grid import Grid
-from npfm.merl import CHANNEL_SCALE, Table
-from npfm.models import lobes
+from npfm.datasets.parameter_files import DIFFUSE, Parameters
+from npfm.fitting.fits import Fit
+from npfm.fitting.objective import Objective
+from npfm.fitting.parametric import lobes
+from npfm.fitting.solvers.problem import Solve
 from npfm.models.cook_torrance import FORM
-from npfm.objective import Objective
-from npfm.solvers.problem import Solve
+from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.merl import CHANNEL_SCALE
+from npfm.reflectance.table import Table
 
 NAME = "cook-torrance-published"
 COEFFICIENTS = ("rho_d", "rho_s")

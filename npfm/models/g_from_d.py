@@ -7,22 +7,22 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fits import Fit, Trace
-from npfm.grid import Grid
-from npfm.merl import Table
-from npfm.models.channels import ChannelFit, as_table, fit_channels
-from npfm.models.factors import SMALLEST, Factors, State, filled, updated_D, updated_F
-from npfm.models.microfacet import (
+from npfm.fitting.channels import ChannelFit, as_table, fit_channels
+from npfm.fitting.factors.microfacet import (
     G_NODES,
     G_THETA,
     MicrofacetProblem,
     compiled,
     tabulate_channel,
 )
-from npfm.models.slices import factors_of_slices
-from npfm.models.smith import log_derivative, masking_shadowing
-from npfm.objective import Objective, Samples
-from npfm.solvers.problem import Solve
+from npfm.fitting.factors.problem import SMALLEST, Factors, State, filled, updated_D, updated_F
+from npfm.fitting.factors.slices import factors_of_slices
+from npfm.fitting.factors.smith import log_derivative, masking_shadowing
+from npfm.fitting.fits import Fit, Trace
+from npfm.fitting.objective import Objective, Samples
+from npfm.fitting.solvers.problem import Solve
+from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.table import Table
 
 NAME = "g-from-d"
 COEFFICIENTS = ("rho_d", "rho_s")

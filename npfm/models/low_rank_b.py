@@ -16,15 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
-from npfm.fits import Fit, Trace
-from npfm.grid import Grid
-from npfm.merl import Table
+from npfm.fitting.channels import ChannelFit, as_table, fit_channels
+from npfm.fitting.factors.microfacet import G_NODES, compiled, tabulate_product
+from npfm.fitting.fits import Fit, Trace
+from npfm.fitting.objective import Objective, Samples
+from npfm.fitting.solvers.problem import Solve
 from npfm.models import bivariate_g
 from npfm.models.bivariate_g import BivariateGProblem, State
-from npfm.models.channels import ChannelFit, as_table, fit_channels
-from npfm.models.microfacet import G_NODES, compiled, tabulate_product
-from npfm.objective import Objective, Samples
-from npfm.solvers.problem import Solve
+from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.table import Table
 
 NAME = "low-rank-b"
 COEFFICIENTS = ("U", "rho_d")

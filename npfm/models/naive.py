@@ -10,13 +10,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fits import Fit
-from npfm.grid import Grid
-from npfm.merl import Table
-from npfm.models.channels import ChannelFit, as_table, fit_channels
-from npfm.models.factors import FactorProblem, State, Sums, quotient, updated_D, updated_F
-from npfm.objective import Objective, Samples
-from npfm.solvers.problem import Solve
+from npfm.fitting.channels import ChannelFit, as_table, fit_channels
+from npfm.fitting.factors.problem import FactorProblem, State, Sums, quotient, updated_D, updated_F
+from npfm.fitting.fits import Fit
+from npfm.fitting.objective import Objective, Samples
+from npfm.fitting.solvers.problem import Solve
+from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.table import Table
 
 NAME = "naive"
 COEFFICIENTS = ("rho_d", "rho_s")

@@ -15,13 +15,13 @@ and the objective is that of the 2016 paper: the model can only gain.
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fits import Fit
-from npfm.grid import Grid
-from npfm.merl import Table
-from npfm.models import author_metrics, lobe_fits, lobes
-from npfm.models.lobes import Directions, Form, Shape
-from npfm.objective import Objective
-from npfm.solvers.problem import Solve
+from npfm.fitting.fits import Fit
+from npfm.fitting.objective import Objective
+from npfm.fitting.parametric import author_metrics, lobe_fits, lobes
+from npfm.fitting.parametric.lobes import Directions, Form, Shape
+from npfm.fitting.solvers.problem import Solve
+from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.table import Table
 
 NAME = "shifted-gamma"
 COEFFICIENTS = ("rho_d", "rho_s")

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from npfm.datasets.fit_files import DIFFUSE, Parameters
-from npfm.fits import Fit
-from npfm.grid import Grid
-from npfm.merl import Table
-from npfm.models import lobes
+from npfm.datasets.parameter_files import DIFFUSE, Parameters
+from npfm.fitting.fits import Fit
+from npfm.fitting.objective import Objective
+from npfm.fitting.parametric import lobes
+from npfm.fitting.solvers.problem import Solve
 from npfm.models.shifted_gamma import FORM
-from npfm.objective import Objective
-from npfm.solvers.problem import Solve
+from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.table import Table
 
 NAME = "shifted-gamma-published"
 COEFFICIENTS = ("rho_d", "rho_s")

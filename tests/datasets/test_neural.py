@@ -9,8 +9,8 @@ import pytest
 from npfm.datasets import neural
 from npfm.datasets.names import MERL_NAMES
 from npfm.errors import NpfmError
-from npfm.grid import MERL
-from npfm.merl import INVALID
+from npfm.reflectance.half_difference import MERL
+from npfm.reflectance.table import INVALID
 
 
 @pytest.fixture

@@ -3,12 +3,13 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from npfm import merl
-from npfm.angles import directions
 from npfm.datasets import synthetic
 from npfm.datasets.formulas import Angles
 from npfm.errors import NpfmError
-from npfm.grid import MERL
+from npfm.reflectance import merl
+from npfm.reflectance.angles import directions
+from npfm.reflectance.half_difference import MERL
+from npfm.reflectance.table import INVALID
 
 NAMES = list(synthetic.MATERIALS)
 
@@ -128,7 +129,7 @@ def test_samples_are_finite_and_missing_where_merl_has_gaps(name):
     values, valid = table(name).values, table(name).valid
     assert values.dtype == np.float64
     assert np.isfinite(values).all()
-    assert np.array_equal(values == merl.INVALID, ~valid)
+    assert np.array_equal(values == INVALID, ~valid)
     assert np.array_equal(valid, [valid[0]] * 3)
     assert not (valid[0] & ~MERL.above_horizon).any()
     lowest = np.minimum(*MERL.cosines)

@@ -5,9 +5,9 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from npfm import tables
 from npfm.__main__ import main
-from npfm.accuracy_cost.tables import FITS, SAMPLING, TRACES
+from npfm.evaluation import tables
+from npfm.evaluation.accuracy_cost import FITS, SAMPLING, TRACES
 from npfm.figures import convergence, pareto, sampling, settings, style
 
 MATERIALS = ["chrome", "felt"]

@@ -6,15 +6,15 @@ import time
 import numpy as np
 import pytest
 
-from npfm import fits
 from npfm.__main__ import main
 from npfm.errors import NpfmError
+from npfm.exports.texture import PARAMETERS, rows, texture
 from npfm.figures import figure03, figure04, figure05, figure06, figure16, style
-from npfm.fits import Fit
-from npfm.grid import MERL, Grid
-from npfm.merl import Table
-from npfm.objective import Objective, channel_samples
-from npfm.texture import PARAMETERS, rows, texture
+from npfm.fitting import fits
+from npfm.fitting.fits import Fit
+from npfm.fitting.objective import Objective, channel_samples
+from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.table import Table
 
 GRID = Grid(18, 15, 12)
 

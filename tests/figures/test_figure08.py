@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from npfm import tables
 from npfm.__main__ import main
 from npfm.errors import NpfmError
+from npfm.evaluation import tables
 from npfm.figures import figure08, style
 
 MATERIALS = ["wood", "chrome", "felt"]

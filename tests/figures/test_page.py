@@ -5,7 +5,7 @@ from matplotlib.text import Text
 
 from npfm.errors import NpfmError
 from npfm.figures import page, style
-from npfm.pictures import write_png
+from npfm.storage.pictures import write_png
 
 SCENES, VARIANTS = ["A", "B"], ["naive", "bivariate"]
 

@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 from matplotlib.text import Text
 
-from npfm import published, tables
 from npfm.__main__ import main
 from npfm.errors import NpfmError
+from npfm.evaluation import tables
 from npfm.figures import (
     figure09,
     figure10,
@@ -22,7 +22,8 @@ from npfm.figures import (
     style,
 )
 from npfm.figures.compared import OTHERS, compared
-from npfm.pictures import write_exr, write_png
+from npfm.papers import bagher2016
+from npfm.storage.pictures import write_exr, write_png
 
 SIZE = 20
 SCENES, MATERIALS = ["A", "B"], ["chrome", "nylon", "pink-felt"]
@@ -230,7 +231,7 @@ def test_bars_are_as_long_as_the_counts_say_and_say_them(run, psnr):
 
 
 def test_the_papers_counts_make_its_percentages():
-    loew, bilgili = published.HEAD_TO_HEAD.values()
+    loew, bilgili = bagher2016.HEAD_TO_HEAD.values()
     assert sum(loew) == sum(bilgili) == 400
     assert [round(100 * count / 400) for count in loew[:2]] == [77, 21]
     assert round(100 * bilgili[1] / 400, 1) == 17.8

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares, nnls
 
-from npfm import variants
 from npfm.datasets import neural
-from npfm.grid import Grid
-from npfm.merl import INVALID, Table
+from npfm.fitting.factors.microfacet import G_NODES, G_THETA, kernel, tabulate_channel
+from npfm.fitting.factors.problem import Sums
+from npfm.fitting.objective import Objective, channel_samples, evaluate, fold
+from npfm.fitting.solvers import gauss_newton
+from npfm.fitting.solvers.problem import Solver
 from npfm.models import bivariate_g
 from npfm.models.bivariate_g import BivariateGProblem, best_B, best_rho_d
-from npfm.models.factors import Sums
-from npfm.models.microfacet import G_NODES, G_THETA, kernel, tabulate_channel
-from npfm.objective import Objective, channel_samples, evaluate, fold
-from npfm.solvers import gauss_newton
-from npfm.solvers.problem import Solver
+from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.table import INVALID, Table
+from npfm.run import variants
 
 solve = variants.solver(Solver())
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from npfm import variants
 from npfm.datasets import neural
-from npfm.datasets.fit_files import FitFile, read
-from npfm.grid import Grid
-from npfm.merl import Table
-from npfm.models import author_metrics
-from npfm.objective import Objective, channel_samples
+from npfm.datasets.parameter_files import FitFile, read
+from npfm.fitting.objective import Objective, channel_samples
+from npfm.fitting.parametric import author_metrics
+from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.table import Table
+from npfm.run import variants
 
 #: Each of our fits: what it minimises, and the published fit of the same form.
 COMPARED = {

@@ -6,11 +6,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from npfm import fits, variants
-from npfm.grid import MERL, Grid
-from npfm.merl import CHANNELS, INVALID, Table
-from npfm.objective import Objective, channel_samples, evaluate, fold
-from npfm.solvers.problem import Solver
+from npfm.fitting import fits
+from npfm.fitting.objective import Objective, channel_samples, evaluate, fold
+from npfm.fitting.solvers.problem import Solver
+from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.table import CHANNELS, INVALID, Table
+from npfm.run import variants
 
 #: Bytes of a material (section 3 of Bagher et al. 2016, and its rule for the others).
 BYTES = {"independent-g": 3264, "g-from-d": 2184, "naive": 4344, "bivariate": 97200}

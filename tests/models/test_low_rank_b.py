@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from npfm import variants
 from npfm.datasets import neural
 from npfm.errors import NpfmError
-from npfm.merl import Table
+from npfm.fitting.objective import Objective, channel_samples, evaluate, fold
+from npfm.fitting.solvers.problem import Solver
 from npfm.models import bivariate_g, low_rank_b
 from npfm.models.low_rank_b import Compressor, Equations
-from npfm.objective import Objective, channel_samples, evaluate, fold
-from npfm.solvers.problem import Solver
+from npfm.reflectance.table import Table
+from npfm.run import variants
 
 solve = variants.solver(Solver())
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from npfm import variants
 from npfm.datasets import neural
-from npfm.datasets.fit_files import FitFile, read
-from npfm.grid import MERL, Grid
-from npfm.merl import Table
-from npfm.objective import Objective, counted
+from npfm.datasets.parameter_files import FitFile, read
+from npfm.fitting.objective import Objective, counted
+from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.table import Table
+from npfm.run import variants
 
 #: Bias and magnitude over all samples, bias in the highlight, of the green channel: from the
 #: check that came with the files but for Cook-Torrance, whose channels had not been scaled.

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from npfm import variants
-from npfm.fits import Fit
-from npfm.grid import MERL
-from npfm.merl import Table
+from npfm.fitting.factors.microfacet import G_THETA
+from npfm.fitting.fits import Fit
+from npfm.fitting.objective import Objective, channel_samples, evaluate
+from npfm.fitting.solvers.problem import Solver
 from npfm.models import independent_g
-from npfm.models.microfacet import G_THETA
-from npfm.objective import Objective, channel_samples, evaluate
-from npfm.solvers.problem import Solver
+from npfm.reflectance.half_difference import MERL
+from npfm.reflectance.table import Table
+from npfm.run import variants
 
 #: A metal with a mirror-like peak, and a nearly diffuse plastic.
 MATERIALS = ("alum-bronze", "nylon")

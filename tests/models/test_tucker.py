@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from npfm import variants
-from npfm.angles import directions
 from npfm.datasets import neural
-from npfm.grid import MERL, Grid
-from npfm.merl import Table
+from npfm.fitting.objective import Objective, channel_samples, evaluate
+from npfm.fitting.solvers.problem import Solver
 from npfm.models import bivariate, naive, tucker
-from npfm.objective import Objective, channel_samples, evaluate
-from npfm.solvers.problem import Solver
+from npfm.reflectance.angles import directions
+from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.table import Table
+from npfm.run import variants
 
 SOLVE = variants.solver(Solver(max_iterations=20))
 

@@ -44,7 +44,9 @@ def test_touching_code_or_inputs_reruns_nothing(project):
 
 def test_a_comment_or_a_docstring_reruns_nothing(project):
     project.edit("npfm/models/naive.py", '"""The naive model', '"""This naive model')
-    project.edit("npfm/transport.py", "import numpy as np\n", "import numpy as np  # a comment\n")
+    project.edit(
+        "npfm/rendering/transport.py", "import numpy as np\n", "import numpy as np  # a comment\n"
+    )
     assert project.planned() == set()
 
 
@@ -56,7 +58,7 @@ def test_an_edit_of_a_model_reruns_its_fits_and_what_they_lead_to(project):
 
 def test_an_edit_of_a_solver_reruns_the_variants_that_use_it(project):
     project.edit(
-        "npfm/solvers/gauss_newton.py",
+        "npfm/fitting/solvers/gauss_newton.py",
         "COARSE, COARSE_TOLERANCE = 6",
         "COARSE, COARSE_TOLERANCE = 5",
     )

@@ -3,7 +3,7 @@ import shutil
 
 import numpy as np
 
-from npfm.pictures import read_exr
+from npfm.storage.pictures import read_exr
 
 
 def rows(path):

@@ -2,7 +2,7 @@ import re
 import shutil
 from pathlib import Path
 
-from npfm import variants
+from npfm.run import variants
 
 TESTS = Path(__file__).parents[1]
 

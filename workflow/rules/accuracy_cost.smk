@@ -1,7 +1,7 @@
-from npfm.accuracy_cost.plan import plan
+from npfm.run.accuracy_cost import plan
 
 COST = plan(RUN)
-COST_TABLES = digest(("npfm.accuracy_cost.tables",), ("npfm.commands.accuracy_cost",))
+COST_TABLES = digest(("npfm.evaluation.accuracy_cost",), ("npfm.commands.accuracy_cost",))
 
 
 localrules:

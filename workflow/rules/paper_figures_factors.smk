@@ -1,5 +1,5 @@
-from npfm.figures import weighting
-from npfm.figures.drawn import drawn
+from npfm.run import weighting
+from npfm.run.paper_figures import drawn
 
 WEIGHTING = weighting.plan(RUN)
 FACTOR_FIGURES = drawn(RUN, WEIGHTING)
@@ -109,7 +109,7 @@ rule texture:
     resources:
         mem_mb=500,
     params:
-        code=digest(("npfm.texture", "npfm.pictures"), ("npfm.commands.texture",)),
+        code=digest(("npfm.exports.texture", "npfm.storage.pictures"), ("npfm.commands.texture",)),
     shell:
         "python -m npfm texture {input} -o {output} 2> {log}"
 

@@ -30,7 +30,7 @@ rule published_table:
         runtime=15,
     params:
         code=digest(
-            ("npfm.published_distance", "npfm.published_factors"),
+            ("npfm.papers.authors_distance", "npfm.papers.authors_factors"),
             ("npfm.commands.tables",),
         ),
         names=MATERIALS,
@@ -63,7 +63,7 @@ rule reproduction:
         mem_mb=500,
     params:
         code=digest(
-            ("npfm.reproduction.page", "npfm.figures.figure10"),
+            ("npfm.papers.page", "npfm.figures.figure10"),
             ("npfm.commands.reproduction",),
         ),
         names=f"--run {OUT} --dataset {config['dataset']['kind']}",

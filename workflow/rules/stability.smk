@@ -1,4 +1,4 @@
-from npfm import variants
+from npfm.run import variants
 
 HARD_CASES = f"{workflow.basedir}/tests/hard_cases.py"
 STABILITY = f"{workflow.basedir}/tests/stability.py"
@@ -27,8 +27,8 @@ rule stability_fits:
         code=lambda wildcards: digest(
             (
                 f"npfm.models.{wildcards.model.replace('-', '_')}",
-                "npfm.solvers.awls",
-                "npfm.solvers.gauss_newton",
+                "npfm.fitting.solvers.awls",
+                "npfm.fitting.solvers.gauss_newton",
             )
         ),
         starts=config["stability"]["starts"],

@@ -4,7 +4,7 @@ RENDERS = [
     for material in RUN.materials
     for variant in ["measured", *RUN.variants_of(material)]
 ]
-TABLES_CODE = digest(("npfm.tables",), ("npfm.commands.tables",))
+TABLES_CODE = digest(("npfm.evaluation.tables",), ("npfm.commands.tables",))
 MATERIALS = f"--run {OUT} --materials {' '.join(RUN.materials)}"
 VARIANTS = f"--variants {' '.join(RUN.variants)} {RUN.missing_option}"
 

@@ -1,0 +1,74 @@
+"""``npfm effects-cost``."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from npfm.commands.sources import table
+from npfm.errors import NpfmError
+from npfm.evaluation import effects_cost as costs
+from npfm.evaluation import tables
+from npfm.storage.pictures import write_exr_parts
+
+EXAMPLE = """\
+examples:
+  python -m npfm effects-cost compare scenes/B --switched visibility=scenes/B-without-shadows \\
+      --tables chrome.binary nylon.binary --fits chrome.npz nylon.npz -o B.csv --pictures B.exr
+  python -m npfm effects-cost table B.csv C.csv -o effects.csv
+Each scene needs the record that npfm scene --record writes, beside its folder (scenes/B.json).
+psnr_change_db is what an effect adds to the PSNR of the fits, in dB; picture_db is the PSNR of the
+measurement's picture against that without the effect.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.epilog = EXAMPLE
+    kinds = parser.add_subparsers(dest="kind", required=True, metavar="compare|table")
+    compare = kinds.add_parser("compare")
+    compare.add_argument("scene", help="folder made by npfm scene")
+    compare.add_argument(
+        "--switched",
+        nargs="*",
+        default=[],
+        metavar="EFFECT=FOLDER",
+        help="the scene with an effect on that it is without, or off that it has",
+    )
+    compare.add_argument("--tables", nargs="+", required=True, help="MERL .binary files")
+    compare.add_argument("--fits", nargs="+", required=True, help="a fit (.npz) of each table")
+    compare.add_argument(
+        "--pictures", required=True, help="EXR to write: the last table in each scene, as parts"
+    )
+    gather = kinds.add_parser("table")
+    gather.add_argument("scenes", nargs="+", help="CSVs made by npfm effects-cost compare")
+    for kind in (compare, gather):
+        kind.add_argument("-o", "--output", required=True, help="CSV to write")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Make the table, and write it."""
+    if arguments.kind == "table":
+        tables.write(arguments.output, costs.read(arguments.scenes))
+        return
+    if len(arguments.tables) != len(arguments.fits):
+        raise NpfmError("--tables and --fits differ in number; name a fit of each table")
+    pairs = zip(arguments.tables, arguments.fits, strict=True)
+    materials = [(table(measured), table(fit)) for measured, fit in pairs]
+    shown = {
+        name: costs.show(folder, materials)
+        for name, folder in [("scene", arguments.scene), *_switched(arguments.switched)]
+    }
+    parts = {
+        name: np.dstack([scene.measured[-1], scene.matrix.coverage])
+        for name, scene in shown.items()
+    }
+    own = shown.pop("scene")
+    tables.write(arguments.output, costs.compare(Path(arguments.scene).name, own, shown))
+    write_exr_parts(arguments.pictures, parts)
+
+
+def _switched(arguments: list[str]) -> list[tuple[str, str]]:
+    if wrong := [argument for argument in arguments if "=" not in argument]:
+        raise NpfmError(f"'{wrong[0]}' has no '='; name the effect, as in visibility=folder")
+    return [tuple(argument.split("=", 1)) for argument in arguments]

@@ -1,1 +1,0 @@
-"""What effects cost, and what they change."""

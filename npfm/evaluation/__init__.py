@@ -1,0 +1,1 @@
+"""Pictures compared, and the tables of a run."""

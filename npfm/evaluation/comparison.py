@@ -1,0 +1,64 @@
+"""Pictures on disk against their reference."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from npfm.errors import NpfmError
+from npfm.evaluation.metrics import psnr
+from npfm.storage.pictures import read_exr
+
+
+def read_reference(path: str | Path) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """Read the picture of a measurement, and which of its pixels are compared.
+
+    Parameters
+    ----------
+    path : str or Path
+        EXR of linear radiance.
+
+    Returns
+    -------
+    radiance : ndarray, shape (height, width, 3)
+    foreground : ndarray of bool, shape (height, width)
+        Where the alpha, the coverage, is exactly 1; without an alpha channel, everywhere.
+    """
+    pixels = read_exr(path)
+    has_alpha = pixels.shape[2] == 4
+    foreground = pixels[..., 3] == 1 if has_alpha else np.ones(pixels.shape[:2], dtype=bool)
+    return pixels[..., :3], foreground
+
+
+def decibels(reference: str | Path, pictures: Iterable[str | Path]) -> list[float]:
+    """PSNR of pictures against one reference, over the foreground of the reference.
+
+    Parameters
+    ----------
+    reference : str or Path
+        As `read_reference` takes it.
+    pictures : iterable of str or Path
+        EXRs of the same size.
+
+    Returns
+    -------
+    list of float
+        dB, one a picture; infinite for a picture equal to the reference.
+
+    Raises
+    ------
+    NpfmError
+        If a file cannot be read, or a picture cannot be compared with the reference.
+    """
+    measured, foreground = read_reference(reference)
+    values = []
+    for path in pictures:
+        picture = read_exr(path)
+        try:
+            values.append(psnr(picture[..., :3], measured, foreground))
+        except ValueError as error:
+            raise NpfmError(
+                f"{path}: cannot be compared with {reference} ({error}); render both again"
+            ) from error
+    return values

@@ -1,0 +1,306 @@
+"""The tables of a run: tidy data frames from fits and pictures.
+
+Every table is made from explicit lists of names, never from what lies in a folder, so that files
+left over from an earlier run do not count. Rows stand in the order of those lists.
+"""
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from tqdm import tqdm
+
+from npfm.errors import NpfmError
+from npfm.evaluation.comparison import decibels
+from npfm.fitting.factors.smith import diffuseness
+from npfm.fitting.fits import ChannelRecord, load, load_record
+from npfm.papers import bagher2016
+from npfm.storage.files import replacing
+
+#: Values are kept to six digits: enough for any of the tables, and the same on every machine.
+FLOAT_FORMAT = "%.6g"
+
+
+def write(path: str | Path, table: pd.DataFrame) -> None:
+    """Write a table as CSV; infinity as ``inf``, a missing value as nothing."""
+    with replacing(path) as temporary:
+        table.to_csv(temporary, index=False, float_format=FLOAT_FORMAT, lineterminator="\n")
+
+
+def read(
+    path: str | Path, text: Sequence[str], numbers: Sequence[str], *, may_be_empty: bool = False
+) -> pd.DataFrame:
+    """Read columns of a table that `write` has written.
+
+    Parameters
+    ----------
+    path : str or Path
+        CSV file.
+    text, numbers : sequence of str
+        Columns to be read as text and as numbers.
+    may_be_empty : bool
+        Whether a table without rows will do.
+
+    Raises
+    ------
+    NpfmError
+        If the file is absent or no CSV, or a column is missing or holds something else.
+    """
+    types = dict.fromkeys(text, str) | dict.fromkeys(numbers, float)
+    # a material may be called "none" or "001": only an empty number is a missing value
+    missing = {name: [""] for name in numbers}
+    try:
+        table = pd.read_csv(
+            path, usecols=list(types), dtype=types, keep_default_na=False, na_values=missing
+        )
+    except (OSError, ValueError) as error:
+        why = " ".join(str(error).split())
+        raise NpfmError(f"{path}: cannot be read as a table ({why}); make it again") from error
+    if table.empty and not may_be_empty:
+        raise NpfmError(f"{path}: a table without rows; make it again")
+    return table
+
+
+def read_psnr(path: str | Path) -> pd.DataFrame:
+    """Read the table that `psnr` makes; errors are those of `read`, or a picture twice."""
+    names = ["scene", "material", "variant"]
+    table = read(path, names, ["psnr_db"])
+    twice = table[table.duplicated(names)]
+    if not twice.empty:
+        picture = " ".join(twice[names].iloc[0])
+        raise NpfmError(f"{path}: '{picture}' is there twice; list every name once")
+    return table
+
+
+def read_published(path: str | Path) -> pd.DataFrame:
+    """Read the table of `npfm.papers.authors_distance`; errors are those of `read`."""
+    text, numbers = ["material", "channel"], ["published", "ours", "log_ratio", "log_error"]
+    return read(path, text, numbers, may_be_empty=True)
+
+
+def psnr(
+    run: str | Path,
+    scenes: Sequence[str],
+    materials: Sequence[str],
+    variants: Sequence[str],
+    missing: Sequence[str] = (),
+) -> pd.DataFrame:
+    """Compare every picture of a run with that of the measurement.
+
+    Parameters
+    ----------
+    run : str or Path
+        Folder that holds ``renders/<scene>/<material>/<variant>.exr`` and ``measured.exr``.
+    scenes, materials, variants : sequence of str
+        What counts.
+    missing : sequence of str
+        Pairs ``variant/material`` that do not.
+
+    Returns
+    -------
+    DataFrame
+        Columns scene, material, variant, psnr_db (infinite for equal pictures).
+
+    Raises
+    ------
+    NpfmError
+        If a picture is missing or cannot be compared.
+    """
+    rows = []
+    pairs = tqdm(list(product(scenes, materials)), desc="psnr", unit="reference", disable=None)
+    for scene, material in pairs:
+        folder = Path(run) / "renders" / scene / material
+        there = [name for name in variants if f"{name}/{material}" not in missing]
+        values = decibels(folder / "measured.exr", [folder / f"{name}.exr" for name in there])
+        rows += [(scene, material, *row) for row in zip(there, values, strict=True)]
+    return pd.DataFrame(rows, columns=["scene", "material", "variant", "psnr_db"])
+
+
+def fits(
+    run: str | Path,
+    materials: Sequence[str],
+    variants: Sequence[str],
+    missing: Sequence[str] = (),
+) -> pd.DataFrame:
+    """Gather how every channel was fitted.
+
+    Parameters
+    ----------
+    run : str or Path
+        Folder that holds ``fits/<variant>/<material>.npz`` and their records.
+    materials, variants : sequence of str
+        What counts.
+    missing : sequence of str
+        Pairs ``variant/material`` that do not.
+
+    Returns
+    -------
+    DataFrame
+        One row a channel. Iterations and golden-section calls are of all `starts` together;
+        objectives are shares of that of the zero model.
+
+    Raises
+    ------
+    NpfmError
+        If a record is missing or is none.
+    """
+    return pd.DataFrame(
+        {"material": material, "variant": variant, **_channel_row(channel)}
+        for material, variant in product(materials, variants)
+        if f"{variant}/{material}" not in missing
+        for channel in load_record(_fit_path(run, variant, material))["channels"]
+    )
+
+
+def _channel_row(channel: ChannelRecord) -> dict:
+    return {
+        "channel": channel.channel,
+        "seconds": channel.seconds,
+        "iterations": channel.iterations,
+        "gss_calls": channel.gss_calls,
+        "starts": len(channel.traces),
+        "best_start": channel.best_start,
+        "objective": channel.objective,
+        "objective_floor": channel.objective_floor,
+        "status": channel.status,
+    }
+
+
+def sizes(run: str | Path, psnr: pd.DataFrame) -> pd.DataFrame:
+    """Size of a fit of each variant: columns variant, parameters, bytes.
+
+    Of the largest, should the fits of a variant differ.
+
+    Parameters
+    ----------
+    run : str or Path
+        Folder that holds ``fits/<variant>/<material>.npz`` and their records.
+    psnr : DataFrame
+        As `psnr` makes it: the variants and materials that count.
+
+    Raises
+    ------
+    NpfmError
+        If a record is missing or is none.
+    """
+    rows = []
+    for variant, pictures in psnr.groupby("variant", sort=False):
+        materials = pictures["material"].unique()
+        records = [load_record(_fit_path(run, variant, material)) for material in materials]
+        rows.append((variant, *(max(r[key] for r in records) for key in ("parameters", "bytes"))))
+    return pd.DataFrame(rows, columns=["variant", "parameters", "bytes"])
+
+
+def materials(run: str | Path, names: Sequence[str]) -> pd.DataFrame:
+    """Diffuseness of the materials: equation 19 of the naive fit's D, mean over the channels.
+
+    Parameters
+    ----------
+    run : str or Path
+        Folder that holds ``fits/naive/<material>.npz``.
+    names : sequence of str
+        What counts.
+
+    Returns
+    -------
+    DataFrame
+        Columns material, diffuseness (dimensionless, at most pi).
+
+    Raises
+    ------
+    NpfmError
+        If a fit is missing or is not one of the naive model.
+    """
+    rows = []
+    for name in names:
+        path = _fit_path(run, "naive", name)
+        fit = load(path)
+        if fit.model != "naive":
+            raise NpfmError(f"{path}: a fit of {fit.model}, not of naive; fit it again")
+        rows.append((name, diffuseness(fit.parameters["D"].astype(float), fit.grid).mean()))
+    return pd.DataFrame(rows, columns=["material", "diffuseness"])
+
+
+def summary(psnr: pd.DataFrame, sizes: pd.DataFrame) -> pd.DataFrame:
+    """Average the PSNR of each variant over materials, and compare with the paper's.
+
+    Parameters
+    ----------
+    psnr, sizes : DataFrame
+        As `psnr` and `sizes` make them.
+
+    Returns
+    -------
+    DataFrame
+        One row a variant and scene, and one with the scene ``all`` over all pictures, which is
+        the average that the paper prints. An infinite PSNR makes a mean infinite. Means are over
+        so many `materials`, which differ where a variant has no fit of some.
+    """
+    over_all = psnr.assign(scene="all")
+    groups = pd.concat([psnr, over_all]).groupby(["variant", "scene"], sort=False)
+    table = groups.agg(
+        materials=("material", "nunique"),
+        mean_psnr_db=("psnr_db", "mean"),
+        median_psnr_db=("psnr_db", "median"),
+    ).reset_index()
+    order = {name: rank for rank, name in enumerate(sizes["variant"])}
+    table = table.sort_values("variant", key=lambda names: names.map(order), kind="stable")
+    table = table.merge(sizes, on="variant", how="left")
+    paper = table["variant"].map(bagher2016.MEAN_PSNR_DB)
+    return table.assign(paper_psnr_db=paper.where(table["scene"] == "all"))
+
+
+def table1(fits: pd.DataFrame) -> pd.DataFrame:
+    """Our fitting statistics over all materials, beside Table I of the paper.
+
+    Ours are of a material, its channels and starts together. As in the paper, whose minimum is 1
+    though not all materials invoke it, the golden-section calls are counted over those materials
+    that invoke it at all.
+
+    Parameters
+    ----------
+    fits : DataFrame
+        As `fits` makes it.
+
+    Returns
+    -------
+    DataFrame
+        One row a technique and source.
+    """
+    columns = ["seconds", "iterations", "gss_calls"]
+    ours = fits.groupby(["variant", "material"], sort=False)[columns].sum()
+    rows = []
+    for technique in dict.fromkeys([*bagher2016.TABLE_I, *fits["variant"]]):
+        if technique in ours.index:
+            row = _statistics(ours.loc[technique])
+            rows.append({"technique": technique, "source": "ours", **row})
+        if technique in bagher2016.TABLE_I:
+            row = _table1_row(bagher2016.TABLE_I[technique], bagher2016.TABLE_I_MATERIALS)
+            source = f"paper ({bagher2016.SOURCE}, Table I)"
+            rows.append({"technique": technique, "source": source, **row})
+    return pd.DataFrame(rows)
+
+
+def _statistics(materials: pd.DataFrame) -> dict:
+    invoking = materials["gss_calls"][materials["gss_calls"] > 0]
+    counted = {
+        "seconds": materials["seconds"],
+        "iterations": materials["iterations"],
+        "gss_calls": invoking if len(invoking) else [0],
+    }
+    ranges = {key: (np.min(v), np.mean(v), np.max(v)) for key, v in counted.items()}
+    return _table1_row(ranges | {"materials_invoking_gss": len(invoking)}, len(materials))
+
+
+def _table1_row(entry: Mapping, materials: int) -> dict:
+    row = {"materials": materials}
+    for quantity in ("seconds", "iterations", "gss_calls"):
+        for statistic, value in zip(("min", "avg", "max"), entry[quantity], strict=True):
+            row[f"{quantity}_{statistic}"] = float(value)
+    return row | {"materials_invoking_gss": entry["materials_invoking_gss"]}
+
+
+def _fit_path(run: str | Path, variant: str, material: str) -> Path:
+    return Path(run) / "fits" / variant / f"{material}.npz"

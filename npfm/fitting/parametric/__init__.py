@@ -1,0 +1,1 @@
+"""Lobes of a few parameters, fitted by the metrics of their authors."""

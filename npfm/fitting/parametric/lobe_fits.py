@@ -1,0 +1,216 @@
+"""Fits of lobes of a few parameters by `scipy.optimize.least_squares`, from several starts."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import OptimizeResult, least_squares, nnls
+
+from npfm.fitting.fits import Fit, Trace
+from npfm.fitting.objective import Objective, channel_samples
+from npfm.fitting.parametric.author_metrics import Goal, Metric
+from npfm.fitting.parametric.lobes import NORMAL, Directions, Form, recorded
+from npfm.fitting.solvers.problem import NEGLIGIBLE
+from npfm.reflectance.table import CHANNELS, Table
+
+#: About so many samples are kept by thinning phi_d for the comparison of starts.
+COARSE = 3_000
+FINE_EVALUATIONS, COARSE_EVALUATIONS = 300, 20
+TOLERANCE = 1e-5  # smallest share by which an iteration must lower the sum, or move the unknowns
+STEP = 1e-7  # of the differences that the derivatives of a lobe are taken from
+
+
+def fit(name: str, form: Form, metric: Metric, table: Table, objective: Objective) -> Fit:
+    """Fit a form to a table from each of its starts.
+
+    The starts are compared on some of the samples, the best goes on to more of them. Records tell
+    the objective of the 2016 paper; the traces of the other starts tell that of the metric, as a
+    share of the zero model's.
+
+    Parameters
+    ----------
+    name : str
+        Of the model.
+    form : Form
+        What is fitted.
+    metric : Metric
+        What is minimised.
+    table : Table
+        Measured BRDF in 1/sr.
+    objective : Objective
+        Which samples count, and what the record tells.
+
+    Raises
+    ------
+    NpfmError
+        If a channel has no sample that counts.
+    """
+    began = time.process_time()
+    channels = range(len(CHANNELS))
+    samples = [channel_samples(table, channel, objective) for channel in channels]
+    groups = [samples] if form.shared else [[s] for s in samples]
+    goals = [metric(group) for group in groups]
+    preparation = (time.process_time() - began) / len(CHANNELS)
+    found = [_fit_together(form, goal) for goal in goals]
+    parameters = {
+        key: np.concatenate([part[key] for part, _ in found]).astype(np.float32)
+        for key in found[0][0]
+    }
+    traces = [runs for _, runs in found] * (len(CHANNELS) // len(found))
+    return recorded(form, Fit(name, parameters, table.grid), samples, traces, preparation)
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """The samples that a group of channels is fitted to, as flat arrays, first axis the channel.
+
+    The unknowns are rho_d and rho_s of each channel, rho_s times the lobe at normal incidence,
+    and then the vector of the shape.
+    """
+
+    form: Form
+    goal: Goal
+    cells: NDArray[np.int64]
+
+    @cached_property
+    def directions(self) -> Directions:
+        grid = self.goal.grid
+        h, d, p = np.unravel_index(self.cells, grid.shape)
+        cosines = (cosine[h, d, p] for cosine in grid.cosines)
+        return Directions(grid.theta_h[h], grid.theta_d[d], *cosines)
+
+    @cached_property
+    def root_weight(self) -> NDArray:
+        return np.sqrt(self.goal.weight.reshape(len(self.goal.scale), -1)[:, self.cells])
+
+    @cached_property
+    def value(self) -> NDArray:
+        return self.goal.value.reshape(len(self.goal.scale), -1)[:, self.cells]
+
+    @cached_property
+    def zero_cost(self) -> float:
+        """Cost of the zero model."""
+        return float(np.sum((self.root_weight * self._transformed(self.value)) ** 2)) or 1.0
+
+    def _transformed(self, x: NDArray) -> NDArray:
+        return np.log1p(self.directions.cos_i * x) if self.goal.logarithmic else x
+
+    def _slope(self, x: NDArray) -> NDArray:
+        cosine = self.directions.cos_i
+        return cosine / (1 + cosine * x) if self.goal.logarithmic else np.ones_like(x)
+
+    def _lobe(self, vector: NDArray) -> NDArray:
+        shape = self.form.shape(vector)
+        return self.form.lobe(shape, self.directions) / self.form.lobe(shape, NORMAL)
+
+    def _parts(self, x: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """Rho_d and rho_s as columns, the vector of the shape, and the lobe."""
+        coefficients = 2 * len(self.goal.scale)
+        rho_d, rho_s = x[:coefficients].reshape(2, -1, 1)
+        return rho_d, rho_s, x[coefficients:], self._lobe(x[coefficients:])
+
+    def _residuals(self, x: NDArray) -> NDArray:
+        rho_d, rho_s, _, lobe = self._parts(x)
+        difference = self._transformed(rho_d + rho_s * lobe) - self._transformed(self.value)
+        return (self.root_weight * difference).ravel()
+
+    def _jacobian(self, x: NDArray) -> NDArray:
+        """Derivatives: exact ones times differences of the lobe alone."""
+        rho_d, rho_s, vector, lobe = self._parts(x)
+        slope = self.root_weight * self._slope(rho_d + rho_s * lobe)
+        channels = len(slope)
+        jacobian = np.zeros((x.size, *slope.shape))
+        for channel in range(channels):
+            jacobian[channel, channel] = slope[channel]
+            jacobian[channels + channel, channel] = slope[channel] * lobe
+        for k, value in enumerate(vector):
+            moved = vector.copy()
+            moved[k] = value + STEP * max(1.0, abs(value))
+            change = (self._lobe(moved) - lobe) / (moved[k] - value)
+            jacobian[2 * channels + k] = slope * rho_s * change
+        return jacobian.reshape(x.size, -1).T
+
+    def start(self, vector: Sequence[float]) -> NDArray:
+        """Return the unknowns with the coefficients that are about best for a shape."""
+        lobe = self._lobe(np.array(vector))
+        weight = self.root_weight * self._slope(self.value)
+        best = [
+            nnls(np.stack([w, w * lobe], axis=-1), w * value)[0]
+            for w, value in zip(weight, self.value, strict=True)
+        ]
+        return np.concatenate([*np.transpose(best), vector])
+
+    def minimise(self, start: NDArray, evaluations: int) -> OptimizeResult:
+        """Run scipy's solver from a start, unless nothing is left to gain."""
+        below, above = self.form.bounds
+        free = 2 * len(self.goal.scale)
+        bounds = np.r_[np.zeros(free), below], np.r_[np.full(free, np.inf), above]
+        cost = float(np.sum(self._residuals(start) ** 2)) / 2
+        if cost < NEGLIGIBLE * self.zero_cost:
+            return OptimizeResult(x=start, cost=cost, nfev=1, status=1)
+        # Where a lobe is black its shape has no effect, and scipy divides 0 by 0.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return least_squares(
+                self._residuals,
+                start,
+                self._jacobian,
+                bounds,
+                x_scale="jac",
+                ftol=TOLERANCE,
+                xtol=TOLERANCE,
+                gtol=None,
+                max_nfev=evaluations,
+            )
+
+
+def _fit_together(form: Form, goal: Goal) -> tuple[dict[str, NDArray], list[Trace]]:
+    """Fit channels that share a shape; the traces' seconds are those of one channel."""
+    coarse, fine = (_Problem(form, goal, _thinned(goal, count)) for count in (COARSE, form.samples))
+    results, traces = {}, {}
+    for name, vector in form.starts.items():
+        began = time.process_time()
+        results[name] = coarse.minimise(coarse.start(vector), COARSE_EVALUATIONS)
+        traces[name] = _trace(name, coarse, [results[name]], began)
+    best = min(results, key=lambda name: results[name].cost)
+    began = time.process_time() - traces[best].seconds[-1] * len(goal.scale)
+    vector = results[best].x[2 * len(goal.scale) :]
+    final = fine.minimise(fine.start(vector), FINE_EVALUATIONS)
+    runs = [_trace(best, fine, [results[best], final], began)]
+    runs += [trace for name, trace in traces.items() if name != best]
+    return _parameters(fine, final.x), runs
+
+
+def _trace(name: str, problem: _Problem, results: Sequence[OptimizeResult], began: float) -> Trace:
+    status = "converged" if results[-1].status > 0 else "iteration cap"
+    seconds = (time.process_time() - began) / len(problem.goal.scale)
+    share = float(2 * results[-1].cost / problem.zero_cost)
+    iterations = sum(result.nfev for result in results)
+    return Trace(name, status, iterations, 0, (seconds,), (share,))
+
+
+def _thinned(goal: Goal, count: int) -> NDArray[np.int64]:
+    """Flat indices of about so many samples; of all, if some channel would be left with none."""
+    grid = goal.grid
+    counts = (goal.weight > 0).reshape(len(goal.scale), *grid.shape)
+    any_channel = counts.any(0)
+    every = max(1, int(any_channel.sum()) // count)
+    kept = np.zeros(grid.shape, dtype=bool)
+    kept[..., every // 2 :: every] = True
+    kept &= any_channel
+    if not (counts & kept).any((1, 2, 3)).all():
+        kept = any_channel
+    return np.flatnonzero(kept)
+
+
+def _parameters(problem: _Problem, x: NDArray) -> dict[str, NDArray]:
+    """Parameters in 1/sr, coefficients that only rounding keeps from 0 being 0."""
+    rho_d, rho_s, vector, _ = problem._parts(x)
+    shape, scale = problem.form.shape(vector), problem.goal.scale
+    peak = problem.form.lobe(shape, NORMAL)
+    coefficients = {"rho_d": rho_d[:, 0] * scale, "rho_s": rho_s[:, 0] * scale / peak}
+    black = ~(problem.goal.value > 0).any((1, 2, 3))
+    coefficients = {name: np.where(black, 0.0, value) for name, value in coefficients.items()}
+    return coefficients | {name: np.array([value]) for name, value in shape.items()}

@@ -1,0 +1,156 @@
+"""Models of a diffuse part and one lobe of a few parameters: their values and records.
+
+Every one is rho = rho_d + rho_s lobe(theta_h, theta_d, theta_i, theta_o).
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from npfm.fitting.channels import as_table
+from npfm.fitting.fits import ChannelRecord, Fit, Trace
+from npfm.fitting.objective import Objective, Samples, channel_samples, evaluate, fold
+from npfm.reflectance.table import CHANNELS, Table
+
+Shape = Mapping[str, NDArray | float]
+
+
+@dataclass(frozen=True)
+class Directions:
+    """Where a lobe is evaluated; arrays in radians, of shapes that broadcast.
+
+    The cosines are positive.
+    """
+
+    theta_h: NDArray
+    theta_d: NDArray
+    cos_i: NDArray
+    cos_o: NDArray
+
+    @cached_property
+    def cos_h(self) -> NDArray:
+        """Cosine of theta_h."""
+        return np.cos(self.theta_h)
+
+    @cached_property
+    def cos_d(self) -> NDArray:
+        """Cosine of theta_d."""
+        return np.cos(self.theta_d)
+
+    @cached_property
+    def tan2_h(self) -> NDArray:
+        """Square of the tangent of theta_h."""
+        return np.tan(self.theta_h) ** 2
+
+    @cached_property
+    def thetas(self) -> tuple[NDArray, NDArray]:
+        """Theta_i and theta_o."""
+        return np.arccos(np.minimum(self.cos_i, 1)), np.arccos(np.minimum(self.cos_o, 1))
+
+    @cached_property
+    def grooves(self) -> NDArray:
+        """Shadowing of V-shaped grooves over cos(theta_i) cos(theta_o), Cook and Torrance 1982."""
+        least = np.minimum(self.cos_i, self.cos_o)
+        shadowing = np.minimum(1, 2 * self.cos_h * least / self.cos_d)
+        return shadowing / (self.cos_i * self.cos_o)
+
+
+NORMAL = Directions(*(np.array([value]) for value in (0.0, 0.0, 1.0, 1.0)))
+
+
+@dataclass(frozen=True)
+class Form:
+    """A lobe and how it is searched for.
+
+    Parameters
+    ----------
+    lobe : callable
+        Values, not negative, of a shape at some directions.
+    shape : callable
+        The lobe's parameters by name, from the vector that is searched.
+    bounds : tuple of two sequences of float
+        Of that vector.
+    starts : dict of str to sequence of float
+        Such vectors, by name.
+    shared : bool
+        Whether the channels have one shape together.
+    samples : int
+        About so many are fitted to, by thinning phi_d, of which lobes depend smoothly.
+    """
+
+    lobe: Callable[[Shape, Directions], NDArray]
+    shape: Callable[[NDArray], Shape]
+    bounds: tuple[Sequence[float], Sequence[float]]
+    starts: Mapping[str, Sequence[float]]
+    shared: bool
+    samples: int
+
+
+def parameter_count(form: Form) -> int:
+    """Number of values stored for a material: rho_d and rho_s of each channel, and the shapes."""
+    shapes = 1 if form.shared else len(CHANNELS)
+    return 2 * len(CHANNELS) + shapes * len(form.shape(np.array(form.bounds[0])))
+
+
+def tabulate(form: Form, fit: Fit) -> Table:
+    """Values of a fit at every cell of its grid, in 1/sr."""
+    grid = fit.grid
+    half = grid.phi_d_bins // 2
+    cosines = (np.where(grid.above_horizon, c, 1.0)[..., :half] for c in grid.cosines)
+    directions = Directions(grid.theta_h[:, None, None], grid.theta_d[:, None], *cosines)
+    p = {name: array.astype(float) for name, array in fit.parameters.items()}
+    rho_d, rho_s = p.pop("rho_d"), p.pop("rho_s")
+    shapes = [dict(zip(p, values, strict=True)) for values in zip(*p.values(), strict=True)]
+    lobes = [form.lobe(shape, directions) for shape in shapes]
+    lobes = lobes * (len(CHANNELS) // len(lobes))
+    values = [d + s * lobe for d, s, lobe in zip(rho_d, rho_s, lobes, strict=True)]
+    # Computed once for both halves of phi_d: exactly reciprocal.
+    return as_table([np.concatenate([v, v[..., ::-1]], axis=-1) for v in values], grid)
+
+
+def recorded(
+    form: Form,
+    fit: Fit,
+    samples: Sequence[Samples],
+    traces: Sequence[Sequence[Trace]],
+    preparation: float,
+) -> Fit:
+    """Return the fit with its records, of which the objective is that of the 2016 paper.
+
+    Parameters
+    ----------
+    form : Form
+    fit : Fit
+    samples : sequence of Samples
+        Of each channel, not folded.
+    traces : sequence of sequence of Trace
+        For each channel the runs, the best first; its objective is replaced by that of the fit.
+    preparation : float
+        Seconds of each channel before the runs.
+    """
+    table = tabulate(form, fit)
+    records = []
+    for channel, name in enumerate(CHANNELS):
+        folded = fold(samples[channel])
+        half = table.values[channel][..., : folded.value.shape[-1]]
+        energy = folded.energy or 1.0
+        reached = evaluate(folded, half / folded.scale) / energy
+        first, *others = traces[channel]
+        runs = (replace(first, objective=(reached,)), *others)
+        seconds = preparation + sum(run.seconds[-1] for run in runs)
+        records.append(
+            ChannelRecord(
+                name, seconds, first.start, reached, folded.floor / energy, first.status, runs
+            )
+        )
+    return replace(fit, records=tuple(records))
+
+
+def published(form: Form, table: Table, objective: Objective, fit: Fit) -> Fit:
+    """Return a fit of published parameters with a record that says so."""
+    samples = [channel_samples(table, channel, objective) for channel in range(len(CHANNELS))]
+    trace = Trace("published", "published", 0, 0, (0.0,), (0.0,))
+    return recorded(form, fit, samples, [[trace]] * len(CHANNELS), 0.0)

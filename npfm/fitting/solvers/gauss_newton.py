@@ -1,0 +1,103 @@
+"""Damped Gauss-Newton (Levenberg-Marquardt) on the logarithms of the factors.
+
+The objective is a weighted sum of squares in a few hundred unknowns, whose normal equations a
+problem accumulates in one pass. Logarithms keep factors positive and make the product linear;
+the clamp is a bound on them. After each step rho_d and rho_s are solved for exactly.
+Several starts are run on thinned samples first, and only the best goes on to all of them.
+"""
+
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+
+from npfm.fitting.fits import Trace
+from npfm.fitting.solvers.normal import FIRST_DAMPING, status_at_rest, system
+from npfm.fitting.solvers.problem import NEGLIGIBLE, Problem, S, Solver
+
+#: Several starts are compared on every n-th bin of phi_d, to so many times the tolerance.
+COARSE, COARSE_TOLERANCE = 6, 10.0
+LEAST_DAMPING, MOST_DAMPING = 1e-10, 1e8
+#: Starts that differ by no more than this share of the energy are equally good: the first goes on.
+TIE = 1e-12
+#: Damping is divided by this after a step that helps, and multiplied by it after one that does not.
+EASE, TIGHTEN = 5.0, 4.0
+#: Iterations in a row that hardly lower the objective, before a run is called converged.
+PATIENCE = 2
+
+
+def solve(problem: Problem[S], starts: Mapping[str, S], settings: Solver) -> tuple[S, list[Trace]]:
+    """Minimise from each start on thinned samples, then from the best on all of them.
+
+    Returns
+    -------
+    state, traces
+        The trace of the start that went on is that of its second run, the time of the first
+        included; the others' are those of their runs on thinned samples.
+    """
+    coarse = problem.thinned(COARSE)
+    if coarse.energy == 0:  # so few samples that thinning leaves none
+        coarse = problem
+    loose = replace(settings, tolerance=COARSE_TOLERANCE * settings.tolerance)
+    runs = {
+        name: minimise(coarse, name, coarse.unpack(problem.pack(start)), loose)
+        for name, start in starts.items()
+    }
+    reached = {name: trace.objective[-1] for name, (_, trace) in runs.items()}
+    best = next(name for name in runs if reached[name] <= min(reached.values()) + TIE)
+    traces = {name: trace for name, (_, trace) in runs.items()}
+    state = problem.unpack(coarse.pack(runs[best][0]))
+    state, traces[best] = minimise(problem, best, state, settings, traces[best])
+    return state, [traces.pop(best), *traces.values()]
+
+
+def minimise(
+    problem: Problem[S], name: str, state: S, settings: Solver, earlier: Trace | None = None
+) -> tuple[S, Trace]:
+    """Run from one start.
+
+    Parameters
+    ----------
+    problem, name, state, settings
+        What to minimise, the start's name, the start, and when to stop.
+    earlier : Trace, optional
+        A run on thinned samples that led to `state`: its time and iterations are counted.
+
+    Returns
+    -------
+    state, trace
+        An iteration is one accepted step.
+    """
+    offset = earlier.seconds[-1] if earlier else 0.0
+    began = time.process_time() - offset
+    objectives, seconds = [problem.objective(state)], [offset]
+    damping, calm, status = FIRST_DAMPING, 0, "converged"
+    while calm < PATIENCE:
+        if len(objectives) > settings.max_iterations:
+            status = "iteration cap"
+            break
+        accepted, damping = _step(problem, state, objectives[-1], damping)
+        if accepted is None:
+            status = status_at_rest(problem, state, objectives[-1], settings)
+            break
+        state, reached = accepted
+        enough = settings.tolerance * reached + NEGLIGIBLE * problem.energy
+        calm = calm + 1 if objectives[-1] - reached <= enough else 0
+        objectives.append(reached)
+        seconds.append(time.process_time() - began)
+    relative = tuple(value / problem.energy if problem.energy else 0.0 for value in objectives)
+    iterations = len(objectives) - 1 + (earlier.iterations if earlier else 0)
+    return state, Trace(name, status, iterations, 0, tuple(seconds), relative)
+
+
+def _step(
+    problem: Problem[S], state: S, current: float, damping: float
+) -> tuple[tuple[S, float] | None, float]:
+    """Tighten the damping until a step lowers the objective; None if none does."""
+    packed, equations = problem.pack(state), system(problem, state)
+    while damping < MOST_DAMPING:
+        candidate = problem.unpack(packed + equations.step(damping)[:-1])
+        reached = problem.objective(candidate)
+        if reached < current:
+            return (candidate, reached), max(damping / EASE, LEAST_DAMPING)
+        damping *= TIGHTEN
+    return None, damping

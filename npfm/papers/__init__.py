@@ -1,0 +1,1 @@
+"""What the papers printed, what they claim, and the page that puts the claims to our tables."""

@@ -1,0 +1,112 @@
+"""What a run has to say about the paper's claims: its tables, and questions put to them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from npfm.evaluation.head_to_head import renderings
+from npfm.fitting.fits import load_record
+
+#: Under what names a run may have a model of the paper; the authors' own fits before ours.
+NAMES = {
+    "bivariate": ("bivariate",),
+    "independent-g": ("independent-g",),
+    "naive": ("naive",),
+    "g-from-d": ("g-from-d",),
+    "Bilgili": ("tucker-20",),
+    "Loew": ("abc-published", "abc-e2"),
+    "Loew, our metric": ("abc-ours",),
+    "Bagher 2012": ("shifted-gamma-published", "shifted-gamma"),
+    "Ngan": ("cook-torrance-published", "cook-torrance"),
+}
+
+
+class Untestable(Exception):
+    """A run lacks what a claim is about; the message says what."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Tables of a run.
+
+    Parameters
+    ----------
+    psnr : DataFrame
+        Columns scene, material, variant, psnr_db.
+    bytes : Series
+        Size of a fit by variant.
+    diffuseness : Series, optional
+        Equation 19, by material.
+    starts : DataFrame, optional
+        As `starts` makes it.
+    weighting : DataFrame, optional
+        As `psnr`, of the fits with and without the compressive weight (Figures 7 and 15).
+    worst : sequence of str
+        Materials, those that independent-g shows most visibly wrong first.
+    """
+
+    psnr: pd.DataFrame
+    bytes: pd.Series
+    diffuseness: pd.Series | None = None
+    starts: pd.DataFrame | None = None
+    weighting: pd.DataFrame | None = None
+    worst: Sequence[str] = ()
+
+    def variant(self, model: str) -> str:
+        """Name under which the run has a model of the paper.
+
+        Raises
+        ------
+        Untestable
+            If it has none.
+        """
+        available = set(self.psnr["variant"])
+        for name in NAMES[model]:
+            if name in available:
+                return name
+        raise Untestable(f"the run has no {' or '.join(NAMES[model])}")
+
+    def models(self) -> list[str]:
+        """Models of the paper that the run has, best average of the paper first."""
+        available = set(self.psnr["variant"])
+        return [model for model, names in NAMES.items() if available & set(names)]
+
+    def renderings(self, models: Sequence[str]) -> pd.DataFrame:
+        """PSNR in dB by (material, scene) and model, of the pictures that all of them have."""
+        variants = [self.variant(model) for model in models]
+        table = renderings(self.psnr, variants).dropna().set_axis(list(models), axis=1)
+        if table.empty:
+            raise Untestable(f"the run has no picture of all of {', '.join(models)}")
+        return table
+
+    def materials(self, models: Sequence[str]) -> pd.DataFrame:
+        """Mean PSNR over the scenes in dB by material and model."""
+        return self.renderings(models).groupby("material").mean()
+
+
+def starts(run: str, materials: Sequence[str]) -> pd.DataFrame:
+    """How far apart the starts of each fit of independent-g end.
+
+    Parameters
+    ----------
+    run : str
+        Folder of the run, with ``fits/independent-g/<material>.json``.
+    materials : sequence of str
+        What counts.
+
+    Returns
+    -------
+    DataFrame
+        Columns material, channel, spread: how much greater the objective of the worst start is
+        than that of the best, as a share of the latter. The winner is left out where it alone
+        was fitted to all samples.
+    """
+    rows = []
+    for material in materials:
+        for channel in load_record(f"{run}/fits/independent-g/{material}.npz")["channels"]:
+            ends = [t.objective[-1] for t in channel.traces if t.start != channel.best_start]
+            if len(ends) > 1:
+                rows.append((material, channel.channel, float(np.ptp(ends)) / min(ends)))
+    return pd.DataFrame(rows, columns=["material", "channel", "spread"])

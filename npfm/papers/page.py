@@ -1,0 +1,142 @@
+"""The page that puts the paper's claims beside a run's findings, as Markdown."""
+
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from npfm.papers import bagher2016
+from npfm.papers.claims import TOPICS, Claim, Topic
+from npfm.papers.evidence import Evidence, Untestable
+from npfm.storage.files import replacing
+
+HOLDS, DIFFERS, UNTESTABLE = "holds", "differs", "cannot be tested here"
+#: What the paper's measured tables are replaced with, by the kind of the dataset.
+TABLES = {
+    "neural": (
+        "**The tables are not the measured ones.** The MERL database itself cannot be had here; "
+        "small neural networks that were trained on it (Sztrajman et al. 2021) stand in for it. "
+        "They give the measured values back to a median of 2 to 3 %, without their noise."
+    ),
+    "merl": "The tables are those of the files that the run names, taken for MERL's own.",
+    "synthetic": (
+        "**The materials are made by formulas.** What the paper found on measured ones need not "
+        "hold on them."
+    ),
+}
+
+
+def write(
+    path: str | Path,
+    name: str,
+    dataset: str,
+    evidence: Evidence,
+    figures: Sequence[str],
+    distance: pd.DataFrame | None,
+) -> None:
+    """Write the page.
+
+    Parameters
+    ----------
+    path : str or Path
+        Markdown file; links to figures start from its folder.
+    name, dataset : str
+        Of the run, and the kind of its dataset.
+    evidence : Evidence
+        Tables of the run.
+    figures : sequence of str
+        Paths of the figures that there are, from the page's folder.
+    distance : DataFrame, optional
+        As `npfm.papers.authors_distance.distance` makes it, several materials together.
+    """
+    found = [
+        (topic, [(claim, *judged(claim, evidence)) for claim in topic.claims]) for topic in TOPICS
+    ]
+    counts = Counter(verdict for _, rows in found for _, _, verdict, _ in rows)
+    blocks = [
+        f"# Does it reproduce? The run `{name}`",
+        f"The claims of {bagher2016.SOURCE}, one by one, beside what this run says. Written by "
+        "`snakemake reproduction` from the run's tables; not to be edited.",
+        _tally(evidence, counts),
+        TABLES[dataset],
+        *([_distance(distance)] if distance is not None and not distance.empty else []),
+        *(_topic(k, topic, rows, figures) for k, (topic, rows) in enumerate(found, start=1)),
+    ]
+    with replacing(path) as temporary:
+        temporary.write_text("\n\n".join(blocks) + "\n")
+
+
+def judged(claim: Claim, evidence: Evidence) -> tuple[str, str, str]:
+    """Put a claim to the evidence.
+
+    Returns
+    -------
+    ours, verdict, difference : str
+        The run's figures; `HOLDS`, `DIFFERS` or `UNTESTABLE`; by how much, or why not.
+    """
+    try:
+        finding = claim.measure(evidence)
+    except Untestable as why:
+        return "", UNTESTABLE, str(why)
+    if finding.holds:
+        return finding.ours, HOLDS, ""
+    return finding.ours, DIFFERS, finding.difference
+
+
+def _tally(evidence: Evidence, counts: Counter) -> str:
+    materials = evidence.psnr["material"].nunique()
+    scenes = evidence.psnr["scene"].nunique()
+    return (
+        f"Of {counts.total()} claims {counts[HOLDS]} hold, {counts[DIFFERS]} differ and "
+        f"{counts[UNTESTABLE]} cannot be tested here. The run has {materials} materials and "
+        f"{scenes} scenes; the paper has 100 and 4. Where the paper gives no measure, the one used "
+        "is in brackets; an average holds within 2 dB, what the paper calls a tie, and a share "
+        "within 5 points."
+    )
+
+
+def _distance(distance: pd.DataFrame) -> str:
+    ratio = distance["published"] / distance["ours"]
+    mean = distance.groupby("material", sort=True).mean(numeric_only=True)
+    rows = [
+        f"| {material} | {row.published:.4f} | {row.ours:.4f} | {_percent(row.log_ratio, '+')} | "
+        f"{_percent(row.log_error)} |"
+        for material, row in mean.iterrows()
+    ]
+    return "\n".join(
+        [
+            f"The authors published their factors of {len(mean)} of the run's materials. On the "
+            f"run's tables these have an objective (equation 7) {ratio.median():.2f} times that of "
+            f"our own independent-g fits in the median over the channels ({ratio.min():.2f} to "
+            f"{ratio.max():.2f}), and are {_percent(distance['log_error'].median())} away from the "
+            "tables. Means of the channels:",
+            "",
+            "| material | objective of the published factors | of ours "
+            "| median of published / table | median distance |",
+            "|---|---|---|---|---|",
+            *rows,
+            "",
+            "Objectives are shares of that of the zero model; medians are weighted as the fits "
+            "are, and without the cells that rest on components which no sample has touched.",
+        ]
+    )
+
+
+def _percent(log_ratio: float, sign: str = "") -> str:
+    return f"{100 * np.expm1(log_ratio):{sign}.1f} %"
+
+
+def _topic(number: int, topic: Topic, rows: Sequence[tuple], figures: Sequence[str]) -> str:
+    lines = [f"## {number}. {topic.title}", ""]
+    beside = [path for name in topic.figures for path in figures if Path(path).stem == name]
+    for path in beside:
+        lines += [f"![{Path(path).stem}]({path})", ""]
+    lines += ["| claim | paper | this run | verdict |", "|---|---|---|---|"]
+    for claim, ours, verdict, difference in rows:
+        told = f": {difference}" if difference else ""
+        lines.append(f"| {claim.text} | {claim.paper} | {ours or '-'} | **{verdict}**{told} |")
+    reasons = dict.fromkeys(claim.reason for claim, _, verdict, _ in rows if verdict == DIFFERS)
+    lines += [line for reason in reasons for line in ("", f"Likely reason: {reason}.")]
+    return "\n".join(lines)

@@ -1,0 +1,1 @@
+"""From a scene in a light to its transport matrix, and from a table to a picture."""

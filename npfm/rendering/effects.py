@@ -1,0 +1,87 @@
+"""Effects: steps of building a transport matrix that a scene asks for by name.
+
+A scene pays for no effect that it does not list. An effect changes one of the things that a scene
+without effects is made of: where camera rays pass through a pixel, or which light reaches a point.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from npfm.errors import NpfmError, suggest
+from npfm.rendering.geometry import OFFSET, Shape
+
+#: Camera rays along either side of a pixel: 16 in all, as in Bagher et al. 2016, section 6.
+SUBPIXELS = 4
+
+
+def subdivide(offsets: NDArray) -> NDArray:
+    """Replace each point of a pixel by a lattice around it.
+
+    Parameters
+    ----------
+    offsets : ndarray, shape (k, 2)
+        Where camera rays pass through a pixel, in [0, 1).
+
+    Returns
+    -------
+    ndarray, shape (SUBPIXELS^2 k, 2)
+        For the centre of the pixel, the centres of `SUBPIXELS`^2 equal squares.
+    """
+    steps = (np.arange(SUBPIXELS) - (SUBPIXELS - 1) / 2) / SUBPIXELS
+    lattice = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 1, 2)
+    return (lattice + offsets).reshape(-1, 2)
+
+
+def unshadowed(
+    objects: Sequence[Shape], points: NDArray, normals: NDArray, lights: NDArray
+) -> NDArray[np.bool_]:
+    """Cast shadow rays from surface points towards the light.
+
+    Parameters
+    ----------
+    objects : sequence of Shape
+    points, normals, lights : ndarray, shape (n, 3)
+        Surface points, the unit normals of the surface itself, unit directions of the light.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        Whether no object is in the way.
+    """
+    origins = points + OFFSET * normals
+    free = np.ones(len(points), dtype=bool)
+    for shape in objects:
+        free[free] = ~shape.occluded(origins[free], lights[free])
+    return free
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A step of building T.
+
+    Parameters
+    ----------
+    film : callable, optional
+        Maps the points of a pixel that camera rays pass through to those that they pass through
+        with the effect, like `subdivide`.
+    reaches : callable, optional
+        Tells which light reaches which surface point, like `unshadowed`.
+    """
+
+    film: Callable[[NDArray], NDArray] | None = None
+    reaches: Callable[[Sequence[Shape], NDArray, NDArray, NDArray], NDArray] | None = None
+
+
+EFFECTS = {"antialiasing": Effect(film=subdivide), "visibility": Effect(reaches=unshadowed)}
+
+
+def check_effects(names: Sequence[str]) -> None:
+    """Raise an NpfmError if a name is not that of an effect, or is listed twice."""
+    for name in names:
+        if name not in EFFECTS:
+            raise NpfmError(f"unknown effect '{name}' in a scene; {suggest(name, EFFECTS)}")
+    if len(set(names)) < len(names):
+        raise NpfmError(f"a scene lists an effect twice: {', '.join(names)}")

@@ -1,0 +1,125 @@
+"""Meshes for scenes: read from a file, or the figure that the project makes itself."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from npfm.errors import NpfmError
+from npfm.rendering.geometry import Mesh
+
+
+def load_mesh(path: str | Path) -> Mesh:
+    """Read a triangle mesh, with normals averaged over the faces around a vertex.
+
+    Parameters
+    ----------
+    path : str or Path
+        PLY, or another format that trimesh reads.
+
+    Raises
+    ------
+    NpfmError
+        If the file is absent, cannot be read as a mesh, or has no faces.
+    """
+    import trimesh
+
+    path = Path(path)
+    if not path.is_file():
+        raise NpfmError(f"{path}: no such file; give the path of a PLY mesh")
+    try:
+        mesh = trimesh.load(path, process=False)
+    # A reader meets whatever the file holds with whatever exception comes up.
+    except Exception as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise NpfmError(f"{path}: not a readable mesh ({reason}); export it as PLY") from error
+    if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
+        raise NpfmError(f"{path}: a mesh without faces; export it with its triangles")
+    if not np.isfinite(mesh.vertices).all():
+        raise NpfmError(f"{path}: vertices are NaN or infinite; export the mesh again")
+    return Mesh(np.array(mesh.vertices), np.array(mesh.faces), np.array(mesh.vertex_normals))
+
+
+def standing(mesh: Mesh, height: float, width: float, foot: tuple[float, float, float]) -> Mesh:
+    """Scale a mesh into a box and stand it on a point.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        With y up.
+    height, width : float
+        The largest extent allowed along y, and along x and z; one of them is reached.
+    foot : tuple of float
+        Where the middle of the lower side of the bounding box comes to lie.
+    """
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    extent = high - low
+    scale = min(height / extent[1], width / max(extent[0], extent[2]))
+    middle = np.array([(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2])
+    return Mesh((mesh.vertices - middle) * scale + foot, mesh.faces, mesh.normals)
+
+
+def figure() -> Mesh:
+    """Make the project's own non-convex figure: a tall woven knot on a turned pedestal."""
+    return _joined(_knot(segments=400, sides=24), _pedestal(rings=64, sides=80))
+
+
+def _knot(segments: int, sides: int) -> Mesh:
+    """Make a tube along a torus knot, twice around y and five times around the tube of a torus."""
+    t = np.linspace(0, 2 * np.pi, segments, endpoint=False)
+    out = 0.25 + 0.135 * np.cos(5 * t)
+    curve = np.stack([out * np.sin(2 * t), 0.63 * np.sin(5 * t), out * np.cos(2 * t)], axis=-1)
+    tangent = np.roll(curve, -1, axis=0) - np.roll(curve, 1, axis=0)
+    # Towards the axis, as seen along the curve: never parallel to the tangent of this knot.
+    inward = np.stack([np.sin(2 * t), np.sin(5 * t), np.cos(2 * t)], axis=-1)
+    across = np.cross(tangent, inward)
+    across /= np.linalg.norm(across, axis=-1, keepdims=True)
+    outward = np.cross(across, tangent)
+    outward /= np.linalg.norm(outward, axis=-1, keepdims=True)
+    angle = np.linspace(0, 2 * np.pi, sides, endpoint=False)[:, None]
+    ring = np.cos(angle) * outward[:, None] + np.sin(angle) * across[:, None]
+    points = curve[:, None] + 0.08 * ring + [0.0, 1.13, 0.0]
+    return _mesh(points, _quads(segments, sides, closed=True))
+
+
+def _pedestal(rings: int, sides: int) -> Mesh:
+    """Make a turned foot with a waist, 0.5 high, closed by a pole at either end."""
+    s = np.linspace(0, 1, rings)
+    cosine = np.cos(np.pi * s)
+    sine = np.sqrt(1 - cosine**2)
+    height = 0.25 * (1 - cosine)
+    radius = 0.4 * sine**0.25 * (1 - 0.38 * sine**4 - 0.12 * s)
+    angle = np.linspace(0, 2 * np.pi, sides, endpoint=False)
+    points = np.stack(
+        np.broadcast_arrays(
+            radius[:, None] * np.cos(angle), height[:, None], -radius[:, None] * np.sin(angle)
+        ),
+        axis=-1,
+    )
+    return _mesh(points, _quads(rings, sides, closed=False))
+
+
+def _quads(rows: int, columns: int, *, closed: bool) -> NDArray[np.int64]:
+    """Triangles over a rows x columns lattice, closed in columns, and in rows if asked."""
+    index = np.arange(rows * columns).reshape(rows, columns)
+    index = np.concatenate([index, index[:, :1]], axis=1)
+    if closed:
+        index = np.concatenate([index, index[:1]])
+    a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
+    triangles = np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)])
+    return triangles.reshape(-1, 3)
+
+
+def _mesh(points: NDArray, faces: NDArray) -> Mesh:
+    import trimesh
+
+    mesh = trimesh.Trimesh(points.reshape(-1, 3), faces, process=False)
+    return Mesh(np.array(mesh.vertices), np.array(mesh.faces), np.array(mesh.vertex_normals))
+
+
+def _joined(first: Mesh, second: Mesh) -> Mesh:
+    return Mesh(
+        np.concatenate([first.vertices, second.vertices]),
+        np.concatenate([first.faces, second.faces + len(first.vertices)]),
+        np.concatenate([first.normals, second.normals]),
+    )

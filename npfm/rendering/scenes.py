@@ -1,0 +1,97 @@
+"""Scenes: which objects stand before the camera, and which effects are simulated.
+
+The light is not part of a scene; any scene can be put in any light.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from npfm.errors import NpfmError, suggest
+from npfm.rendering.camera import Camera
+from npfm.rendering.effects import EFFECTS, check_effects
+from npfm.rendering.geometry import Shape, Sphere
+
+OBJECTS = ("figure", "sphere")
+#: Far enough for a sphere of radius 1 to fill nine tenths of the field, and for a figure of
+#: height 2 to do the same.
+CAMERA = Camera(distance=4.4, field=np.radians(30))
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What is seen and what is simulated.
+
+    Parameters
+    ----------
+    objects : tuple of str
+        Of `OBJECTS`: the sphere alone fills the picture; beside the figure it is smaller and
+        stands to the right of it.
+    effects : tuple of str
+        Names of `npfm.rendering.effects.EFFECTS`; no others are simulated or paid for, nor those
+        that `pointless` lists.
+    mesh : Path or None
+        The mesh of the figure; None stands for the project's own.
+
+    Raises
+    ------
+    NpfmError
+        If an object or an effect is unknown or named twice, or there is no object.
+    """
+
+    objects: tuple[str, ...]
+    effects: tuple[str, ...] = ()
+    mesh: Path | None = None
+
+    def __post_init__(self) -> None:
+        for name in self.objects:
+            if name not in OBJECTS:
+                raise NpfmError(f"unknown object '{name}' in a scene; {suggest(name, OBJECTS)}")
+        if not self.objects or len(set(self.objects)) < len(self.objects):
+            raise NpfmError(f"a scene needs one or both of {' and '.join(OBJECTS)}, each once")
+        check_effects(self.effects)
+
+    @property
+    def pointless(self) -> tuple[str, ...]:
+        """Effects that it lists and that cannot change the picture.
+
+        A sphere is convex: where light comes from above the horizon of a point, the sphere itself
+        is not in the way.
+        """
+        if self.objects != ("sphere",):
+            return ()
+        return tuple(name for name in self.effects if EFFECTS[name].reaches)
+
+    @property
+    def simulated(self) -> tuple[str, ...]:
+        """Effects that it lists and that can change the picture."""
+        return tuple(name for name in self.effects if name not in self.pointless)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """One line about each effect that is refused."""
+        why = "changes nothing on a lone sphere and is left out; take it off the list"
+        return tuple(f"effect '{name}' {why}" for name in self.pointless)
+
+
+def place(scene: Scene) -> tuple[Shape, ...]:
+    """Make the objects of a scene, standing around the origin before `CAMERA`.
+
+    Raises
+    ------
+    NpfmError
+        If the mesh of the figure cannot be used.
+    """
+    if "figure" not in scene.objects:
+        return (Sphere((0.0, 0.0, 0.0), 1.0),)
+    together = "sphere" in scene.objects
+    figure = _figure(scene.mesh, x=-0.47 if together else 0.0)
+    return (figure, Sphere((0.52, -0.58, 0.1), 0.42)) if together else (figure,)
+
+
+def _figure(path: Path | None, x: float) -> Shape:
+    from npfm.rendering import meshes
+
+    mesh = meshes.figure() if path is None else meshes.load_mesh(path)
+    return meshes.standing(mesh, height=2.0, width=0.95, foot=(x, -1.0, 0.0))

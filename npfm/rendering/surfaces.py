@@ -1,0 +1,106 @@
+"""What the camera sees: surface points, how far objects cover pixels, and the light past them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from npfm.rendering.camera import Camera
+from npfm.rendering.geometry import Shape, nearest
+from npfm.rendering.lights.environment import Environment
+
+#: Smallest cosine between view and shading normal. Normals that lean farther away from the
+#: viewer, as smooth normals do at silhouettes, are bent back to it (88.9 degrees).
+GRAZING = 0.02
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Points where camera rays meet objects, in the order of their pixels.
+
+    Parameters
+    ----------
+    pixel, ray : ndarray of int, shape (p,)
+        Number of the pixel, and of the camera ray among those of the pixel.
+    position, geometric, normal, view : ndarray, shape (p, 3)
+        The point, the unit normal of the object there, the unit normal for shading, and the unit
+        direction to the camera, with which both normals have a positive cosine.
+    """
+
+    pixel: NDArray[np.int64]
+    ray: NDArray[np.int64]
+    position: NDArray[np.float64]
+    geometric: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    view: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.pixel)
+
+    def __getitem__(self, chosen: slice | NDArray) -> "Surface":
+        return Surface(*(values[chosen] for values in vars(self).values()))
+
+
+def look(
+    camera: Camera,
+    objects: Sequence[Shape],
+    environment: Environment,
+    offsets: NDArray,
+    resolution: int,
+) -> tuple[Surface, NDArray[np.float32], NDArray[np.float32]]:
+    """Trace the camera rays of a picture.
+
+    Parameters
+    ----------
+    camera : Camera
+    objects : sequence of Shape
+    environment : Environment
+    offsets : ndarray, shape (k, 2)
+        Where camera rays pass through a pixel, in [0, 1).
+    resolution : int
+        Pixels along one side of the square picture.
+
+    Returns
+    -------
+    surface : Surface
+    coverage : ndarray of float32, shape (resolution, resolution)
+        Share of the camera rays of a pixel that meet an object.
+    backdrop : ndarray of float32, shape (resolution, resolution, 3)
+        Radiance that the other rays meet, times their share.
+    """
+    rays = len(offsets)
+    direction = camera.directions(np.arange(resolution**2), offsets, resolution).reshape(-1, 3)
+    hits = nearest(objects, np.broadcast_to(camera.position, direction.shape), direction)
+    hit = np.isfinite(hits.distance)
+    light = np.zeros(direction.shape)
+    light[~hit] = environment.lookup(direction[~hit])
+    pixel, ray = np.divmod(np.flatnonzero(hit), rays)
+    view = -direction[hit]
+    position = camera.position - hits.distance[hit, None] * view
+    shading = towards(hits.shading[hit], view, GRAZING)
+    surface = Surface(pixel, ray, position, hits.geometric[hit], shading, view)
+    coverage = hit.reshape(resolution, resolution, rays).mean(axis=2)
+    backdrop = light.reshape(resolution, resolution, rays, 3).mean(axis=2)
+    return surface, coverage.astype(np.float32), backdrop.astype(np.float32)
+
+
+def towards(normal: NDArray, view: NDArray, least: float) -> NDArray:
+    """Turn unit normals that face away from the viewer, as little as gives a cosine `least`.
+
+    Parameters
+    ----------
+    normal, view : ndarray, shape (n, 3)
+    least : float
+        Cosine between normal and view that is enough.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        Unit normals in the planes of the given ones and the views.
+    """
+    cosine = np.einsum("ij,ij->i", normal, view)[:, None]
+    across = normal - cosine * view
+    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), np.finfo(float).tiny)
+    bent = least * view + np.sqrt(1 - least**2) * across
+    return np.where(cosine >= least, normal, bent)

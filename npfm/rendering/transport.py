@@ -1,0 +1,120 @@
+"""The transport matrix: a scene in a light, as weights of the cells of a table.
+
+Direct lighting is linear in the BRDF. For a fixed scene a pixel is a weighted sum of table
+entries, so a picture is T @ table. `npfm.rendering.assembly` builds T, once for all materials.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from npfm.errors import NpfmError
+from npfm.reflectance.table import Table
+from npfm.storage.files import replacing
+
+
+@dataclass(frozen=True)
+class Transport:
+    """A scene in a light as a sparse matrix, pixels x cells, with one value set per channel.
+
+    Parameters
+    ----------
+    indptr : ndarray of int64, shape (pixels + 1,)
+        Where the entries of a pixel begin; pixels row by row from the upper left corner.
+    indices : ndarray of int32, shape (n,)
+        Cells, increasing within a pixel.
+    weights : ndarray of float32, shape (3, n)
+        Radiance per BRDF (1/sr), for red, green and blue.
+    coverage : ndarray of float32, shape (h, w)
+        Share of a pixel that objects cover.
+    backdrop : ndarray of float32, shape (h, w, 3)
+        Radiance of the light seen past the objects, times the share of the pixel it fills.
+    grid_shape : ndarray of int64, shape (3,)
+        Bins of the grid of the cells.
+    """
+
+    indptr: NDArray[np.int64]
+    indices: NDArray[np.int32]
+    weights: NDArray[np.float32]
+    coverage: NDArray[np.float32]
+    backdrop: NDArray[np.float32]
+    grid_shape: NDArray[np.int64]
+
+    @property
+    def foreground(self) -> NDArray[np.bool_]:
+        """Pixels that objects cover entirely, shape (h, w)."""
+        return self.coverage == 1
+
+    @property
+    def matrices(self) -> list[csr_array]:
+        """T for red, green and blue, shape (pixels, cells)."""
+        # SciPy would copy the indices to give them the type of indptr.
+        fits = self.indptr[-1] <= np.iinfo(np.int32).max
+        indptr = self.indptr.astype(np.int32 if fits else np.int64)
+        shape = self.coverage.size, int(np.prod(self.grid_shape))
+        return [csr_array((weights, self.indices, indptr), shape=shape) for weights in self.weights]
+
+
+def render(transport: Transport, table: Table) -> NDArray[np.float32]:
+    """Render a material: T @ table, over the light seen past the objects.
+
+    Parameters
+    ----------
+    transport : Transport
+    table : Table
+        BRDF in 1/sr; negative entries reflect nothing.
+
+    Returns
+    -------
+    ndarray of float32, shape (h, w, 4)
+        Linear radiance in red, green and blue, and the coverage by objects.
+
+    Raises
+    ------
+    NpfmError
+        If the table is on another grid than the matrix was built for.
+    """
+    if table.grid.shape != tuple(transport.grid_shape):
+        built = "x".join(map(str, transport.grid_shape))
+        raise NpfmError(
+            f"the table is on the grid {table.grid.name}, the scene was built for {built}; "
+            "build the scene for the grid of the table"
+        )
+    values = np.maximum(table.values, 0).reshape(3, -1).astype(np.float32)
+    picture = np.empty((*transport.coverage.shape, 4), dtype=np.float32)
+    for channel, (matrix, column) in enumerate(zip(transport.matrices, values, strict=True)):
+        picture[..., channel] = (matrix @ column).reshape(transport.coverage.shape)
+    picture[..., :3] += transport.backdrop
+    picture[..., 3] = transport.coverage
+    return picture
+
+
+def save(path: str | Path, transport: Transport) -> None:
+    """Write a matrix as a folder of ``.npy`` files, whole or not at all."""
+    with replacing(path) as temporary:
+        temporary.mkdir()
+        for name, value in vars(transport).items():
+            with open(temporary / f"{name}.npy", "wb") as file:
+                # Not np.save, which says nothing when the disk is full for its last bytes.
+                np.lib.format.write_array(SimpleNamespace(write=file.write), value)
+
+
+def load(path: str | Path) -> Transport:
+    """Open a matrix that `save` wrote, mapped into memory, so that processes share it.
+
+    Raises
+    ------
+    NpfmError
+        If a file of the folder is absent or damaged.
+    """
+    names = Transport.__dataclass_fields__
+    try:
+        return Transport(**{n: np.load(Path(path) / f"{n}.npy", mmap_mode="r") for n in names})
+    except (OSError, ValueError) as error:
+        raise NpfmError(
+            f"{path}: not a transport matrix that npfm wrote ({error}); build it again"
+        ) from error

@@ -1,0 +1,173 @@
+"""Which fits and pictures are made to see what accuracy costs, and where they are."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from npfm.run import variants
+from npfm.run.config import Run, check
+from npfm.run.study import fit_folders
+
+#: Whose starts, tolerance and traces are examined.
+MODEL = "independent-g"
+STARTS = range(1, 9)
+TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+#: Ways of sampling, by the name they have in tables and folders.
+SAMPLINGS = {
+    "light": ("light",),
+    "half-vector": ("half-vector",),
+    "combined": ("light", "half-vector"),
+}
+#: How many materials count if the run has none of those that the configuration names.
+MOST_MATERIALS = 6
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What the target `accuracy_cost` makes, beside what the run makes.
+
+    Parameters
+    ----------
+    run : Run
+    study : Run
+        The same run with a variant for each setting.
+    stages : dict of str to dict of str to str
+        For each stage (``model``, ``starts``, ``tolerance``) the variant of each setting.
+    materials : tuple of str
+        In the order of the configuration.
+    """
+
+    run: Run
+    study: Run
+    stages: Mapping[str, Mapping[str, str]]
+    materials: tuple[str, ...]
+
+    @property
+    def folder(self) -> str:
+        """Where all of it goes but tables and figures."""
+        return f"{self.run.folder}/accuracy_cost"
+
+    @property
+    def fit_folders(self) -> dict[str, str]:
+        """Folder of the fits of each variant of the study."""
+        return fit_folders(self.run, self.study, self.folder)
+
+    def settings(self, stage: str) -> dict[str, str]:
+        """Folder of the fits of each setting of a stage."""
+        folders = self.fit_folders
+        return {setting: folders[variant] for setting, variant in self.stages[stage].items()}
+
+    @property
+    def standard(self) -> str:
+        """Folder of the fits of `MODEL` by the default solver."""
+        return self.traced["gauss-newton"]
+
+    @property
+    def traced(self) -> dict[str, str]:
+        """Folder of the fits of `MODEL` by each solver."""
+        settings = self.settings("model")
+        return {solver: settings[f"{MODEL}/{solver}"] for solver in variants.SOLVERS}
+
+    def fits(self, material: str) -> list[str]:
+        """All fits of a material, without repetition."""
+        return [f"{folder}/{material}.npz" for folder in dict.fromkeys(self.fit_folders.values())]
+
+    @property
+    def fit_arguments(self) -> str:
+        """Arguments of ``npfm accuracy-cost fits`` that name the fits."""
+        return " ".join(
+            f"{stage}:{setting}={folder}"
+            for stage in self.stages
+            for setting, folder in self.settings(stage).items()
+        )
+
+    @property
+    def builds(self) -> list[str]:
+        """Scene folders to compare, those of few samples first."""
+        samples = self.run.config["accuracy_cost"]["samples"]
+        return [f"{self.folder}/scenes/{name}-{n}" for name in SAMPLINGS for n in samples]
+
+    @property
+    def reference(self) -> str:
+        """The scene folder to compare them with."""
+        return f"{self.folder}/scenes/reference"
+
+    @property
+    def scene(self) -> str:
+        """Name of the scene whose sampling is examined."""
+        return self.run.config["accuracy_cost"]["scene"]
+
+    def scene_options(self, build: str) -> str:
+        """Arguments of ``npfm scene`` for the last part of the name of a scene folder.
+
+        The reference has other random numbers than what is compared with it.
+        """
+        config, scene = self.run.config, self.scene
+        asked, seed = config["accuracy_cost"], 1
+        name, _, samples = build.rpartition("-")
+        if build == "reference":
+            name, samples, seed = "combined", asked["reference_samples"], 2
+        scenes = {scene: config["scenes"][scene] | {"samples": samples}}
+        changes = {"resolution": asked["resolution"], "scenes": scenes}
+        run = replace(self.run, config={**config, **changes})
+        sampling = " ".join(SAMPLINGS[name])
+        return f"{run.scene_options(self.scene)} --seed {seed} --sampling {sampling}"
+
+
+def plan(run: Run) -> Plan:
+    """Work out what to make."""
+    stages = _stages(run.config)
+    entries = [
+        entry | {"name": _variant(stage, setting)}
+        for stage, settings in stages.items()
+        for setting, entry in settings.items()
+    ]
+    named = {
+        stage: {setting: _variant(stage, setting) for setting in settings}
+        for stage, settings in stages.items()
+    }
+    wanted = run.config["accuracy_cost"]["materials"]
+    chosen = tuple(name for name in wanted if name in run.materials)
+    study = check({**run.config, "variants": entries})
+    return Plan(run, study, named, chosen or run.materials[:MOST_MATERIALS])
+
+
+def _variant(stage: str, setting: str) -> str:
+    return f"{stage}-{setting}".replace("/", "-")
+
+
+def _stages(config: Mapping[str, Any]) -> dict[str, dict[str, dict]]:
+    """For each stage and setting, an entry of the key `variants`."""
+    own = [
+        {"name": entry, "model": entry} if isinstance(entry, str) else dict(entry)
+        for entry in config["variants"]
+    ]
+    models = {}
+    # What is published took no time here.
+    fitted = [entry for entry in own if not variants.declared(entry["model"]).published]
+    for entry in [{"name": MODEL, "model": MODEL}, *fitted]:
+        models |= _by_solver(entry, config["accuracy_cost"]["awls_iterations"])
+    return {
+        "model": models,
+        "starts": {str(n): _fast({"starts": n}) for n in STARTS},
+        "tolerance": {f"{t:.0e}": _fast({"tolerance": t}) for t in TOLERANCES},
+    }
+
+
+def _by_solver(entry: dict, awls_iterations: int) -> dict[str, dict]:
+    """A variant by each solver, but for one that names its own or needs none."""
+    solver = entry.get("solver", {})
+    if not variants.declared(entry["model"]).solver:
+        return {entry["name"]: entry}
+    if "method" in solver:
+        return {f"{entry['name']}/{solver['method']}": entry}
+    caps = {"awls": {"max_iterations": awls_iterations}}
+    return {
+        f"{entry['name']}/{name}": entry
+        | {"solver": {**solver, "method": name, **caps.get(name, {})}}
+        for name in variants.SOLVERS
+    }
+
+
+def _fast(solver: dict) -> dict:
+    return {"model": MODEL, "solver": {"method": "gauss-newton", **solver}}

@@ -1,0 +1,45 @@
+"""Which scenes are built to see what effects cost, and where they are."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from npfm.rendering.effects import EFFECTS
+from npfm.run.config import Run
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What the target `effects` builds: the scenes of a run, each with one effect switched.
+
+    That is, on if the scene is configured without it, and off if with it. The scene as it is
+    configured is taken from the run.
+    """
+
+    run: Run
+
+    @property
+    def folder(self) -> str:
+        """Where all of it goes but tables and figures."""
+        return f"{self.run.folder}/effects"
+
+    def effects(self, scene: str) -> list[str]:
+        """Effects that can be switched in a scene: all that are not pointless in it."""
+        return [name for name in EFFECTS if not self._run(scene, [name]).warnings]
+
+    def switched(self, scene: str) -> str:
+        """Arguments of ``npfm effects compare`` that name these scenes."""
+        pairs = zip(self.effects(scene), self.builds(scene), strict=True)
+        return "--switched " + " ".join("=".join(pair) for pair in pairs)
+
+    def builds(self, scene: str) -> list[str]:
+        """Folders of a scene with each of these effects switched."""
+        return [f"{self.folder}/scenes/{scene}/{effect}" for effect in self.effects(scene)]
+
+    def scene_options(self, scene: str, effect: str) -> str:
+        """Arguments of ``npfm scene`` for a scene with an effect switched."""
+        switched = {effect}.symmetric_difference(self.run.config["scenes"][scene]["effects"])
+        return self._run(scene, sorted(switched)).scene_options(scene)
+
+    def _run(self, scene: str, effects: Sequence[str]) -> Run:
+        described = self.run.config["scenes"][scene] | {"effects": effects}
+        return replace(self.run, config={**self.run.config, "scenes": {scene: described}})

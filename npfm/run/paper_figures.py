@@ -1,0 +1,87 @@
+"""What Figures 3 to 7, 15 and 16 are drawn from, as far as a run has it."""
+
+from dataclasses import dataclass
+
+from npfm.papers.captions import CAPTIONS, chosen
+from npfm.run.config import Run
+from npfm.run.weighting import MODELS, Weighting
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """How a figure is drawn.
+
+    Parameters
+    ----------
+    files : list of str
+        What is made before it.
+    arguments : str
+        Of ``npfm figure``.
+    label : str
+        What it is, in a list of figures.
+    """
+
+    files: list[str]
+    arguments: str
+    label: str
+
+
+def drawn(run: Run, weighting: Weighting) -> dict[str, Drawn]:
+    """Figures by name; those of models that the run does not have are left out."""
+    models = [model for model in MODELS if model in run.variants]
+    figures = {"figure03": _weights(run), "figure04": Drawn([], "", "4: the compressive function")}
+    if models:
+        figures["figure05"] = _slices(run, models)
+    if MODELS[0] in models:
+        figures |= {"figure06": _factors(run), "figure16": _texture(run)}
+    for number in weighting.columns:
+        figures[f"figure{number:02}"] = _renderings(run, weighting, number)
+    return dict(sorted(figures.items()))
+
+
+def _weights(run: Run) -> Drawn:
+    [table] = _tables(run, chosen(CAPTIONS[3], run.materials))
+    return Drawn([table], f"--table {table}", "3: weights of the objective")
+
+
+def _slices(run: Run, models: list[str]) -> Drawn:
+    materials = chosen(CAPTIONS[5], run.materials)
+    files = _tables(run, materials) + [f for m in models for f in _fits(run, m, materials)]
+    names = f"--materials {' '.join(materials)} --variants {' '.join(models)}"
+    return Drawn(files, f"--run {run.folder} {names}", "5: measured and fitted slices")
+
+
+def _factors(run: Run) -> Drawn:
+    made = _fits(run, MODELS[0], chosen(CAPTIONS[6], run.materials))
+    arguments = f"--fits {' '.join(made)}"
+    label = "6: factors"
+    if "published_factors" not in run.config:
+        return Drawn(made, arguments, label)
+    published = run.user_file(run.config["published_factors"])
+    return Drawn([*made, published], f"{arguments} --published '{published}'", label)
+
+
+def _texture(run: Run) -> Drawn:
+    made = _fits(run, MODELS[0], run.materials)
+    return Drawn(made, f"--fits {' '.join(made)}", "16: texture of all fits")
+
+
+def _renderings(run: Run, weighting: Weighting, number: int) -> Drawn:
+    table = f"{run.folder}/tables/weighting.csv"
+    pairs = weighting.pictures[number].items()
+    columns = " ".join(f"'{heading}={','.join(pair)}'" for heading, pair in pairs)
+    names = (
+        f"--run {run.folder} --scene {run.scenes[0]}"
+        f" --materials {' '.join(weighting.materials[number])} --columns {columns}"
+    )
+    # The table stands for the pictures: it is made from all of them.
+    labels = {7: "7: compressive weighting", 15: "15: restricted range of angles"}
+    return Drawn([table], f"{names} --psnr {table}", labels[number])
+
+
+def _tables(run: Run, materials: list[str]) -> list[str]:
+    return [f"{run.folder}/materials/{name}.binary" for name in materials]
+
+
+def _fits(run: Run, variant: str, materials: list[str]) -> list[str]:
+    return [f"{run.folder}/fits/{variant}/{name}.npz" for name in materials]

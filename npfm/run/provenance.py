@@ -1,0 +1,121 @@
+"""Digests of code, so that an edit reruns the jobs that depend on it and no others.
+
+Snakemake does not track imported modules. A rule has a digest among its params instead, of all the
+code that its job runs: the entry modules and whatever they import inside `npfm`.
+"""
+
+import ast
+import hashlib
+import importlib.metadata
+from collections.abc import Iterable, Iterator
+from functools import cache
+from pathlib import Path
+
+PACKAGE = Path(__file__).parents[1]
+#: Libraries whose versions can change results: of all code, and of that which imports them.
+LIBRARIES, WHERE_IMPORTED = ("numpy", "scipy"), ("numba", "tensorly")
+
+
+@cache
+def digest(entries: tuple[str, ...], alone: tuple[str, ...] = ()) -> str:
+    """Digest of the code that some modules run.
+
+    Parameters
+    ----------
+    entries : tuple of str
+        Modules of `npfm`, by full name, taken with everything that they import inside `npfm`.
+    alone : tuple of str
+        Modules taken without what they import, such as a command that imports every model.
+
+    Returns
+    -------
+    str
+        Hexadecimal. Docstrings, comments and layout do not matter to it; the versions of numpy
+        and scipy do, and those of numba and tensorly where they are imported.
+    """
+    modules = sorted(closure(entries) | set(alone))
+    imported = {name.split(".")[0] for module in modules for name in _named(module)}
+    libraries = [*LIBRARIES, *(name for name in WHERE_IMPORTED if name in imported)]
+    parts = [f"{name} {importlib.metadata.version(name)}" for name in libraries]
+    parts += [f"{module} {_syntax(module)}" for module in modules]
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
+
+
+def closure(entries: Iterable[str]) -> set[str]:
+    """Modules of `npfm` that some modules import, themselves and packages on the way included.
+
+    Raises
+    ------
+    ValueError
+        If one of them imports modules by a name that is only known when it runs.
+    """
+    found: set[str] = set()
+    waiting = list(entries)
+    while waiting:
+        module = waiting.pop()
+        if module not in found:
+            if _imports_by_name(module):
+                raise ValueError(
+                    f"{module} imports by name, which no digest can follow: "
+                    "give it alone, and what it imports as entries"
+                )
+            found.add(module)
+            waiting += [*_imports(module), *_parents(module)]
+    return found
+
+
+def _parents(module: str) -> Iterator[str]:
+    while "." in module:
+        module = module.rpartition(".")[0]
+        yield module
+
+
+def _file(module: str) -> Path | None:
+    path = PACKAGE.joinpath(*module.split(".")[1:])
+    return next((f for f in (path.with_suffix(".py"), path / "__init__.py") if f.is_file()), None)
+
+
+@cache
+def _tree(module: str) -> ast.Module:
+    return ast.parse(_file(module).read_text())
+
+
+def _imports_by_name(module: str) -> bool:
+    names = {"import_module", "__import__"}
+    nodes = ast.walk(_tree(module))
+    return any({getattr(node, "id", None), getattr(node, "attr", None)} & names for node in nodes)
+
+
+def _imports(module: str) -> Iterator[str]:
+    names = _named(module)
+    yield from (name for name in names if name.split(".")[0] == "npfm" and _file(name))
+
+
+def _named(module: str) -> Iterator[str]:
+    """Names in the import statements of a module, whether of modules or of what is in them."""
+    for node in ast.walk(_tree(module)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            source = _absolute(module, node)
+            yield from (source, *(f"{source}.{alias.name}" for alias in node.names))
+
+
+def _absolute(module: str, node: ast.ImportFrom) -> str:
+    if not node.level:
+        return node.module
+    is_package = _file(module).name == "__init__.py"
+    base = module.split(".")[: None if is_package and node.level == 1 else is_package - node.level]
+    return ".".join([*base, node.module] if node.module else base)
+
+
+@cache
+def _syntax(module: str) -> str:
+    """Syntax tree of a module without docstrings, as text."""
+    tree = ast.parse(ast.unparse(_tree(module)))
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
+        if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None:
+            node.body = body[1:]
+    return ast.dump(tree)

@@ -1,0 +1,170 @@
+"""Models and solvers by name. Each is imported when it is asked for.
+
+A model is a file under `npfm/models` that has a constant NAME; there is no other list of models.
+What the file declares is read from its syntax, so that nothing is imported only to check a
+configuration. `npfm.run.provenance` refuses to digest this module: whoever runs a model names the
+model's own module as an entry.
+"""
+
+import ast
+import importlib
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from functools import cache, partial
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from npfm.errors import NpfmError, suggest
+from npfm.fitting.solvers.problem import Solve, Solver
+
+FOLDER = Path(__file__).parents[1] / "models"
+SOLVERS = ("gauss-newton", "awls")
+NAME_PATTERN = "[A-Za-z0-9][A-Za-z0-9._-]*"
+#: What the module of a model has to have.
+INTERFACE = ("fit", "tabulate", "parameter_count")
+
+
+@dataclass(frozen=True)
+class Model:
+    """What the file of a model declares, each in a constant of that name in capitals.
+
+    Parameters
+    ----------
+    module : str
+        Full name of the module that the file is.
+    coefficients : tuple of str
+        Parameters that carry the unit of the BRDF.
+    signed : tuple of str
+        Parameters that may be negative.
+    reciprocal : bool
+        Whether exchanging light and view leaves its tables as they are.
+    solver : bool
+        Whether `fit` runs the solver that it is given.
+    objective : bool
+        Whether `fit` minimises the objective that it is given, and not one of its own.
+    random : bool
+        Whether a start of `fit` is random, so that the seed matters.
+    settings : mapping of str to str
+        Whole numbers that `fit` takes as keywords, and what they mean.
+    own_table : float
+        Share of the objective that may be left when a table of the model's own is fitted.
+    shared : tuple of str
+        Parameters that the channels have together: stored once, their first axis of length 1.
+    scale_free : bool
+        Whether a brighter table has larger coefficients and all else the same.
+    published : mapping
+        For a model that is not fitted but read: its file, as
+        `npfm.datasets.parameter_files.FitFile`.
+    """
+
+    module: str
+    coefficients: tuple[str, ...] = ()
+    signed: tuple[str, ...] = ()
+    reciprocal: bool = True
+    solver: bool = True
+    objective: bool = True
+    random: bool = False
+    settings: Mapping[str, str] = field(default_factory=dict)
+    own_table: float = 1e-8
+    shared: tuple[str, ...] = ()
+    scale_free: bool = True
+    published: Mapping[str, Any] = field(default_factory=dict)
+
+
+@cache
+def models() -> Mapping[str, Model]:
+    """Return what the models declare, by name, sorted.
+
+    Raises
+    ------
+    NpfmError
+        If the file of a model cannot be parsed, a declaration in it is no literal, or two files
+        have the same name for their model.
+    """
+    found: dict[str, Model] = {}
+    for path in sorted(FOLDER.glob("*.py")):
+        constants = _constants(path)
+        if "name" not in constants:
+            continue
+        name = constants.pop("name")
+        if not isinstance(name, str) or not re.fullmatch(NAME_PATTERN, name):
+            raise NpfmError(
+                f"{path}: the NAME {name!r} is not of letters, digits, '.', '_' and '-'"
+            )
+        if name in found:
+            raise NpfmError(f"{path}: there is another model of the NAME '{name}'; choose another")
+        found[name] = Model(f"npfm.models.{path.stem}", **constants)
+    return dict(sorted(found.items()))
+
+
+def non_parametric() -> tuple[str, ...]:
+    """Return the models of free factors or tables: with our solvers, or in closed form."""
+    return tuple(name for name, model in models().items() if model.solver or name == "bivariate")
+
+
+def _constants(path: Path) -> dict:
+    """Declarations in a file, by the names that they have in `Model`."""
+    known = {"name", *(field.name for field in fields(Model))} - {"module"}
+    try:
+        statements = ast.parse(path.read_text()).body
+    except SyntaxError as error:
+        raise NpfmError(f"{path}, line {error.lineno}: {error.msg}; correct it") from error
+    constants = {}
+    for node in statements:
+        match node:
+            case ast.Assign([ast.Name(key)], value) if key.isupper() and key.lower() in known:
+                try:
+                    constants[key.lower()] = ast.literal_eval(value)
+                except ValueError as error:
+                    where = f"{path}, line {node.lineno}"
+                    raise NpfmError(f"{where}: {key} is no literal; write it out") from error
+    return constants
+
+
+def declared(name: str) -> Model:
+    """Return what the model of that name declares.
+
+    Raises
+    ------
+    NpfmError
+        If there is no model of that name.
+    """
+    if name not in models():
+        raise NpfmError(f"unknown variant '{name}'; {suggest(name, models())}")
+    return models()[name]
+
+
+def model(name: str) -> ModuleType:
+    """Return the module of a model: `fit`, `tabulate` and `parameter_count`.
+
+    Raises
+    ------
+    NpfmError
+        If there is no model of that name, or its file lacks one of the three.
+    """
+    module = importlib.import_module(declared(name).module)
+    if missing := [function for function in INTERFACE if not hasattr(module, function)]:
+        raise NpfmError(f"{module.__file__}: no function '{missing[0]}'; every model needs one")
+    return module
+
+
+def solver(settings: Solver) -> Solve:
+    """Return the solver that the settings name, with the settings applied.
+
+    Raises
+    ------
+    NpfmError
+        If there is no solver of that name.
+    """
+    match settings.method:
+        case "gauss-newton":
+            from npfm.fitting.solvers import gauss_newton as module
+        case "awls":
+            from npfm.fitting.solvers import awls as module
+        case _:
+            raise NpfmError(
+                f"unknown solver '{settings.method}'; {suggest(settings.method, SOLVERS)}"
+            )
+    return partial(module.solve, settings=settings)

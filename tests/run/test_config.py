@@ -1,0 +1,171 @@
+import copy
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+
+from npfm.errors import NpfmError
+from npfm.run import variants
+from npfm.run.config import check
+
+ROOT = Path(__file__).parents[2]
+PAPER = ("bivariate", "independent-g", "g-from-d", "naive")
+DEFAULT = yaml.safe_load((ROOT / "config.yaml").read_text())
+
+
+def merged(base, extra):
+    if not isinstance(extra, dict):
+        return extra
+    base = base if isinstance(base, dict) else {}
+    return base | {key: merged(base.get(key), value) for key, value in extra.items()}
+
+
+def configured(**changes):
+    return merged(copy.deepcopy(DEFAULT), changes)
+
+
+def test_the_default_configuration_is_valid_and_needs_no_file():
+    run = check(DEFAULT)
+    assert run.folder == "results/default"
+    assert len(run.materials) >= 12
+    assert set(PAPER) <= set(run.variants) <= set(variants.models())
+    assert run.scenes == ("A", "B", "C", "D")
+    assert not any(run.material_inputs(name) for name in run.materials)
+    assert not any(run.light_inputs(light["light"]) for light in DEFAULT["scenes"].values())
+
+
+@pytest.mark.parametrize("preset", sorted((ROOT / "workflow" / "presets").glob("*.yaml")))
+def test_presets_are_valid_and_named_after_their_file(preset, data, tmp_path):
+    changes = yaml.safe_load(preset.read_text()) | {"data": str(data)}
+    if preset.stem == "merl":
+        (tmp_path / "merl").mkdir()
+        (tmp_path / "merl" / "chrome.binary").touch()
+        changes |= {"data": str(tmp_path), "published_fits": str(data / "published_fits")}
+    run = check(configured(**changes))
+    assert run.folder == f"results/{preset.stem}"
+    assert (
+        len(run.materials) == {"smoke": 2, "neural-10": 10, "neural": 100, "merl": 1}[preset.stem]
+    )
+
+
+def test_a_variant_may_have_settings_of_its_own():
+    plain = {"name": "plain", "model": "naive", "objective": {"compressive": False}}
+    run = check(configured(variants=["naive", plain]))
+    assert "--no-compressive" in run.variants["plain"].options
+    assert "--no-compressive" not in run.variants["naive"].options
+    assert "--variant naive" in run.variants["plain"].options
+
+
+def test_only_models_that_have_a_rank_or_starts_are_told_them():
+    wide = {"name": "wide", "model": "low-rank-b", "rank": 8}
+    fewer = {"name": "fewer", "model": "independent-g", "solver": {"starts": 3}}
+    run = check(configured(variants=["naive", "low-rank-b", wide, fewer]))
+    options = {name: variant.options for name, variant in run.variants.items()}
+    assert "--rank 8" in options["wide"]
+    assert "--starts 3" in options["fewer"]
+    told = options["naive"] + options["low-rank-b"]
+    assert "--rank" not in told and "--starts" not in told
+
+
+def with_published(tmp_path, lines):
+    """A configuration of two materials of which some are in the file of Cook-Torrance."""
+    text = (
+        "{} = Aggregate(Lambertian(albedo = [0, 0, 0]), "
+        "NganCookTorrance(albedo = [1, 1, 1], eta = 0.5, roughness = 0.1))\n"
+    )
+    path = tmp_path / "fits" / "ngan_cooktorrance.fit"
+    path.parent.mkdir()
+    path.write_text("".join(map(text.format, lines)))
+    return configured(
+        data=str(tmp_path),
+        published_fits="fits",
+        dataset={"materials": ["chalk", "pink-felt"]},
+        variants=["naive", "cook-torrance-published"],
+    )
+
+
+def test_fits_that_a_published_file_lacks_are_not_made(tmp_path):
+    run = check(with_published(tmp_path, ["chalk", "unknown"]))
+    path = str(tmp_path / "fits" / "ngan_cooktorrance.fit")
+    assert run.published_inputs("cook-torrance-published") == [path]
+    assert run.published_inputs("naive") == []
+    assert f"--published {path}" in run.variants["cook-torrance-published"].options
+    assert run.fits == [
+        ("chalk", "naive"),
+        ("chalk", "cook-torrance-published"),
+        ("pink-felt", "naive"),
+    ]
+    assert run.missing_option == "--missing cook-torrance-published/pink-felt"
+    assert check(DEFAULT).missing_option == ""
+
+
+def test_a_published_file_without_any_of_the_materials_is_told(tmp_path):
+    with pytest.raises(NpfmError, match=r"ngan_cooktorrance\.fit has none of the run's materials"):
+        check(with_published(tmp_path, ["unknown"]))
+
+
+def test_an_absent_or_bad_published_file_is_told(tmp_path):
+    config = with_published(tmp_path, ["chalk", "chalk"])
+    with pytest.raises(NpfmError, match=r"ngan_cooktorrance\.fit, line 2: 'chalk' is in line 1"):
+        check(config)
+    (tmp_path / "fits" / "ngan_cooktorrance.fit").unlink()
+    with pytest.raises(NpfmError, match=r"ngan_cooktorrance\.fit: no such file; get it from"):
+        check(config)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"seeed": 1}, r"unknown key 'seeed'; did you mean seed"),
+        ({"solver": {"metod": "awls"}}, r"solver: unknown key 'metod'; did you mean method"),
+        ({"solver": {"method": "newton"}}, r"unknown solver 'newton'; did you mean gauss-newton"),
+        ({"variants": ["niave"]}, r"unknown variant 'niave'; did you mean naive"),
+        ({"variants": [{"name": "n", "model": "naive", "rank": 2}]}, r"n: unknown key 'rank'"),
+        (
+            {"variants": [{"name": "n", "model": "low-rank-b", "rank": "2"}]},
+            r"n/rank: give a whole",
+        ),
+        ({"variants": [{"name": "n", "model": "naive", "slover": {}}]}, r"did you mean solver"),
+        ({"variants": ["naive", "naive"]}, r"the name 'naive' is taken"),
+        ({"colors": {"niave": "#009E73"}}, r"colors: unknown variant 'niave'; did you mean naive"),
+        ({"colors": {"naive": "green"}}, r"colors/naive: 'green' does not match"),
+        ({"scenes": {"A": {"effects": ["shadow"]}}}, r"scenes/A: unknown effect 'shadow'"),
+        ({"scenes": {"A": {"objects": ["cube"]}}}, r"scenes/A: unknown object 'cube'"),
+        ({"scenes": {"A": {"light": "groove"}}}, r"unknown light 'groove'; did you mean grove"),
+        ({"scenes": {"E": {"light": "grove"}}}, r"scenes/E: 'objects' is a required property"),
+        ({"lights": {"x": {"file": "x.hdr"}}}, r"lights/x needs either"),
+        ({"dataset": {"materials": ["chalkk"]}}, r"'chalkk'; did you mean chalk"),
+        ({"dataset": {"kind": "neural"}}, r"kind 'neural' needs a 'path'"),
+        ({"dataset": {"kind": "neural", "path": "no.zip"}}, r"no\.zip: no such file"),
+        ({"scenes": {"A": {"samples": 0}}}, r"scenes/A/samples: 0 is less than"),
+    ],
+)
+def test_mistakes_are_told_in_one_line(changes, message):
+    with pytest.raises(NpfmError, match=message) as caught:
+        check(configured(**changes))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_scene_of_its_own_needs_nothing_but_config():
+    scene = DEFAULT["scenes"]["A"] | {"light": "grove", "effects": ["antialiasing"]}
+    run = check(configured(scenes={"E": scene}))
+    assert run.scenes == ("A", "B", "C", "D", "E")
+    assert "--effects antialiasing" in run.scene_options("E")
+
+
+def test_a_pointless_effect_is_warned_of_and_changes_no_job():
+    plain = DEFAULT["scenes"]["A"]
+    scenes = {"E": plain | {"effects": ["visibility"]}, "F": plain | {"effects": []}}
+    run = check(configured(scenes=scenes))
+    [warning] = run.warnings
+    assert warning.startswith("config: scenes/E: effect 'visibility' changes nothing on a lone")
+    assert "\n" not in warning
+    assert run.scene_options("E") == run.scene_options("F")
+    assert check(DEFAULT).warnings == []
+
+
+def test_the_conda_environment_lists_the_same_dependencies_as_the_package():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    environment = yaml.safe_load((ROOT / "workflow" / "envs" / "npfm.yaml").read_text())
+    assert environment["dependencies"][-1]["pip"] == project["dependencies"]

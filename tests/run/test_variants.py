@@ -1,0 +1,84 @@
+"""The registry of models: files that declare a NAME, read without importing them."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from npfm.errors import NpfmError
+from npfm.run import variants
+
+ROOT = Path(__file__).parents[2]
+PAPER = {"bivariate", "independent-g", "g-from-d", "naive"}
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty folder in place of npfm/models."""
+    monkeypatch.setattr(variants, "FOLDER", tmp_path)
+    variants.models.cache_clear()
+    yield tmp_path
+    variants.models.cache_clear()
+
+
+def test_a_file_with_a_name_is_a_model(folder):
+    (folder / "mine.py").write_text('NAME = "my-own"\nSETTINGS = {"lobes": "how many"}\n')
+    (folder / "helper.py").write_text("RECIPROCAL = False\n")
+    assert variants.models() == {
+        "my-own": variants.Model("npfm.models.mine", settings={"lobes": "how many"})
+    }
+
+
+def test_what_is_declared_is_what_the_modules_say():
+    assert set(variants.models()) >= PAPER
+    for name, declared in variants.models().items():
+        module = variants.model(name)
+        assert (module.NAME, module.__name__) == (name, declared.module)
+        for key in ("coefficients", "signed", "reciprocal", "solver", "objective", "settings"):
+            default = variants.Model.__dataclass_fields__[key].default
+            if hasattr(module, key.upper()):
+                assert getattr(declared, key) == getattr(module, key.upper())
+            elif key != "settings":
+                assert getattr(declared, key) == default
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('NAME = "mine"\ndef fit(:\n', "mine.py, line 2"),
+        ('NAME = "mine"\n\nSIGNED = tuple("D")\n', "mine.py, line 3"),
+        ('NAME = "theirs"\n', "another model of the NAME 'theirs'"),
+        ("NAME = 1\n", "mine.py: the NAME 1 "),
+        ('NAME = "two words"\n', "mine.py: the NAME 'two words' "),
+    ],
+)
+def test_a_mistake_in_a_file_names_the_file_in_one_line(folder, text, said):
+    (folder / "mine.py").write_text(text)
+    (folder / "other.py").write_text('NAME = "theirs"\n')
+    with pytest.raises(NpfmError) as caught:
+        variants.models()
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_model_without_its_functions_is_refused(monkeypatch):
+    declared = {"smith": variants.Model("npfm.fitting.factors.smith")}
+    monkeypatch.setattr(variants, "models", lambda: declared)
+    with pytest.raises(NpfmError, match=r"smith\.py: no function 'fit'"):
+        variants.model("smith")
+
+
+def test_unknown_names_are_answered_with_near_ones():
+    with pytest.raises(NpfmError, match="unknown variant 'niave'; did you mean naive"):
+        variants.declared("niave")
+
+
+def test_checking_a_configuration_imports_no_model():
+    code = (
+        "import sys, yaml; from npfm.run import config;"
+        "config.check(yaml.safe_load(open('config.yaml')));"
+        "print(*(name for name in sys.modules if name.startswith('npfm.models.')))"
+    )
+    run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    assert (run.returncode, run.stdout.strip()) == (0, ""), run.stderr

@@ -1,0 +1,114 @@
+from npfm.run.effects_cost import Plan
+
+EFFECTS = Plan(RUN)
+EFFECTS_CODE = digest(("npfm.evaluation.effects_cost",), ("npfm.commands.effects_cost",))
+
+
+localrules:
+    effects_table,
+    effects_figure,
+
+
+use rule scene as effects_scene with:
+    output:
+        scene=directory(f"{EFFECTS.folder}/scenes/{{scene}}/{{effect}}"),
+        record=f"{EFFECTS.folder}/scenes/{{scene}}/{{effect}}.json",
+    log:
+        f"{OUT}/logs/effects/scenes/{{scene}}/{{effect}}.log",
+    wildcard_constraints:
+        effect="[^/.]+",
+    params:
+        code=SCENE_CODE,
+        options=lambda wildcards: EFFECTS.scene_options(
+            wildcards.scene, wildcards.effect
+        ),
+
+
+rule effects_compare:
+    input:
+        scene=rules.scene.output.scene,
+        record=rules.scene.output.record,
+        switched=lambda wildcards: EFFECTS.builds(wildcards.scene),
+        records=lambda wildcards: [
+            f"{build}.json" for build in EFFECTS.builds(wildcards.scene)
+        ],
+        tables=expand(rules.material.output, material=COST.materials),
+        fits=expand(
+            "{folder}/{material}.npz", folder=COST.standard, material=COST.materials
+        ),
+    output:
+        table=f"{EFFECTS.folder}/{{scene}}.csv",
+        pictures=f"{EFFECTS.folder}/{{scene}}.exr",
+    log:
+        f"{OUT}/logs/effects/{{scene}}.log",
+    conda:
+        "../envs/npfm.yaml"
+    resources:
+        mem_mb=2500,
+        runtime=15,
+    params:
+        code=EFFECTS_CODE,
+        render=COST.study.render_code("model-independent-g-gauss-newton"),
+        switched=lambda wildcards: EFFECTS.switched(wildcards.scene),
+    shell:
+        "python -m npfm effects-cost compare {input.scene} {params.switched}"
+        " --tables {input.tables} --fits {input.fits}"
+        " -o {output.table} --pictures {output.pictures} 2> {log}"
+
+
+rule effects_table:
+    input:
+        expand(rules.effects_compare.output.table, scene=RUN.scenes),
+    output:
+        report(
+            f"{OUT}/tables/effects.csv",
+            caption="../report/effects.rst",
+            category="Cost of effects",
+            labels={"result": "table"},
+        ),
+    log:
+        f"{OUT}/logs/effects/table.log",
+    conda:
+        "../envs/npfm.yaml"
+    resources:
+        mem_mb=500,
+    params:
+        code=EFFECTS_CODE,
+    shell:
+        "python -m npfm effects-cost table {input} -o {output} 2> {log}"
+
+
+rule effects_figure:
+    input:
+        table=rules.effects_table.output,
+        changed=expand(rules.effects_compare.output.pictures, scene=RUN.scenes),
+        shown=expand(
+            f"{OUT}/renders/{{scene}}/{{material}}/measured.png",
+            scene=RUN.scenes,
+            material=COST.materials[-1],
+        ),
+    output:
+        pdf=f"{OUT}/figures/effects.pdf",
+        png=report(
+            f"{OUT}/figures/effects.png",
+            caption="../report/effects_figure.rst",
+            category="Cost of effects",
+            labels={"result": "figure"},
+        ),
+    log:
+        f"{OUT}/logs/effects/figure.log",
+    conda:
+        "../envs/npfm.yaml"
+    resources:
+        mem_mb=500,
+    params:
+        code=digest(("npfm.figures.effects_cost",), ("npfm.commands.figure",)),
+    shell:
+        "python -m npfm figure effects_cost --table {input.table} --changed {input.changed}"
+        " --shown {input.shown} -o {output} 2> {log}"
+
+
+rule effects:
+    input:
+        rules.effects_table.output,
+        rules.effects_figure.output,
