@@ -1,7 +1,9 @@
 from npfm.run.accuracy_cost import plan
 
 COST = plan(RUN)
-COST_TABLES = digest(("npfm.evaluation.accuracy_cost",), ("npfm.commands.accuracy_cost",))
+COST_TABLES = digest(
+    ("npfm.evaluation.accuracy_cost",), ("npfm.commands.accuracy_cost",)
+)
 
 
 localrules:

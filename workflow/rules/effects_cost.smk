@@ -1,7 +1,9 @@
 from npfm.run.effects_cost import Plan
 
 EFFECTS = Plan(RUN)
-EFFECTS_CODE = digest(("npfm.evaluation.effects_cost",), ("npfm.commands.effects_cost",))
+EFFECTS_CODE = digest(
+    ("npfm.evaluation.effects_cost",), ("npfm.commands.effects_cost",)
+)
 
 
 localrules:

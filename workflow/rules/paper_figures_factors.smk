@@ -109,7 +109,10 @@ rule texture:
     resources:
         mem_mb=500,
     params:
-        code=digest(("npfm.exports.texture", "npfm.storage.pictures"), ("npfm.commands.texture",)),
+        code=digest(
+            ("npfm.exports.texture", "npfm.storage.pictures"),
+            ("npfm.commands.texture",),
+        ),
     shell:
         "python -m npfm texture {input} -o {output} 2> {log}"
 

@@ -1,6 +1,8 @@
 import re
 
-SCENE_CODE = digest(("npfm.rendering.assembly", "npfm.rendering.transport"), ("npfm.commands.scene",))
+SCENE_CODE = digest(
+    ("npfm.rendering.assembly", "npfm.rendering.transport"), ("npfm.commands.scene",)
+)
 
 
 rule light:
