@@ -54,7 +54,7 @@ def kinds(run):
     """One command of each kind of job of a run, and the number of such jobs."""
     found = {}
     for command, record in jobs(run).items():
-        variant = re.findall(r"--variant \S+", command)
+        variant = re.findall(r"--model \S+", command)
         found.setdefault(" ".join([record["rule"], *variant]), []).append(command)
     return {kind: (min(commands), len(commands)) for kind, commands in sorted(found.items())}
 

@@ -30,11 +30,12 @@ os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
 
 import pandas as pd
 
+from npfm.fitting import registry
 from npfm.fitting.objective import Objective
 from npfm.fitting.solvers import awls
-from npfm.fitting.solvers.problem import Solver
+from npfm.fitting.solvers.choice import chosen
+from npfm.fitting.solvers.problem import SolverSettings
 from npfm.reflectance.merl import read_binary
-from npfm.run import variants
 
 MODELS = ("independent-g", "g-from-d", "naive", "bivariate")
 GENEROUS, BUDGET, NEAR = 10, 25, 1e-3
@@ -70,7 +71,7 @@ def awls_points(problem, starts, seconds):
     for name, start in starts.items():
         watched = Watched(problem, seconds)
         with suppress(OutOfTime):
-            awls.minimise(watched, name, start, Solver("awls", 1e-9, 10**9))
+            awls.minimise(watched, name, start, SolverSettings("awls", 1e-9, 10**9))
         runs.append(watched.points)
     return runs
 
@@ -78,14 +79,14 @@ def awls_points(problem, starts, seconds):
 def compare(path, model):
     """Rows of one material and model, one a channel."""
     asked = []
-    solve = variants.solver(Solver())
+    solve = chosen(SolverSettings())
 
     def remembering(problem, starts):
         asked.append((problem, dict(starts)))
         return solve(problem, asked[-1][1])
 
     began = time.process_time()
-    fit = variants.model(model).fit(read_binary(path), Objective(), remembering, 1)
+    fit = registry.model(model).fit(read_binary(path), Objective(), remembering, 1)
     read_and_fit = time.process_time() - began
     for k, record in enumerate(fit.records):
         row = {"channel": record.channel, "read_and_fit": read_and_fit, "seconds": record.seconds}
@@ -109,7 +110,7 @@ def compare(path, model):
 def peak_megabytes(path, model):
     """Peak memory of `npfm fit`, in a process of its own."""
     with TemporaryDirectory() as folder:
-        call = [sys.executable, "-m", "npfm", "fit", path, "--variant", model]
+        call = [sys.executable, "-m", "npfm", "fit", path, "--model", model]
         process = subprocess.Popen([*call, "-o", f"{folder}/fit.npz"], stderr=subprocess.DEVNULL)
         _, status, usage = os.wait4(process.pid, 0)
     if status:

@@ -19,18 +19,19 @@ from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.evaluation import tables
+from npfm.fitting import registry
 from npfm.fitting.channels import STORED
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective, Samples, channel_samples, evaluate, fold
+from npfm.fitting.solvers.choice import SOLVERS, chosen
 from npfm.fitting.solvers.normal import system
-from npfm.fitting.solvers.problem import Solver
+from npfm.fitting.solvers.problem import SolverSettings
 from npfm.models.bivariate_g import BivariateGProblem
 from npfm.models.g_from_d import GFromDProblem
 from npfm.models.independent_g import IndependentGProblem
 from npfm.models.low_rank_b import Compressor
 from npfm.models.naive import NaiveProblem
 from npfm.reflectance.table import Table
-from npfm.run import variants
 
 COLUMNS = [
     "case", "variant", "solver", "status", "finite", "objective", "objective_floor", "condition",
@@ -45,22 +46,22 @@ STATUSES = ("converged", "iteration cap", "stalled", "degenerate: ")
 
 def runs() -> Iterator[tuple[str, str]]:
     """Every model with every solver; one that needs none is fitted once."""
-    for model, method in product(variants.non_parametric(), variants.SOLVERS):
-        if variants.declared(model).solver:
+    for model, method in product(registry.non_parametric(), SOLVERS):
+        if registry.declared(model).solver:
             yield model, method
-        elif method == variants.SOLVERS[0]:
+        elif method == SOLVERS[0]:
             yield model, ""
 
 
-def fitted(table: Table, model: str, settings: Solver, starts: int) -> Fit:
+def fitted(table: Table, model: str, settings: SolverSettings, starts: int) -> Fit:
     """Fit a model; `starts` is how many independent-g has."""
     own = {"starts": starts} if model == "independent-g" else {}
-    return variants.model(model).fit(table, Objective(), variants.solver(settings), 1, **own)
+    return registry.model(model).fit(table, Objective(), chosen(settings), 1, **own)
 
 
 def violations(table: Table, fit: Fit) -> list[str]:
     """What must hold of every fit of any table, and does not."""
-    module = variants.model(fit.model)
+    module = registry.model(fit.model)
     made, found = module.tabulate(fit), []
     if not all(np.isfinite(a).all() for a in (*fit.parameters.values(), made.values)):
         found.append("a NaN or an infinity")
@@ -145,7 +146,7 @@ def _scaled_condition(matrix: NDArray, freedoms: int) -> float:
     return float(values[-1] / values[0]) if values[0] > least else float("inf")
 
 
-def row(case: str, table: Table, model: str, settings: Solver, starts: int) -> dict:
+def row(case: str, table: Table, model: str, settings: SolverSettings, starts: int) -> dict:
     """One row of the table: over the channels all statuses, the largest values, all seconds."""
     entry = dict.fromkeys(COLUMNS) | {"case": case, "variant": model, "solver": settings.method}
     try:
@@ -174,8 +175,8 @@ def rows(model: str, starts: int, awls_iterations: int) -> Iterator[dict]:
     """All cases on MERL's grid, by one model and each solver."""
     methods = [method for name, method in runs() if name == model]
     for case, method in product(CASES, methods):
-        cap = awls_iterations if method == "awls" else Solver.max_iterations
-        settings = Solver(method or Solver.method, max_iterations=cap)
+        cap = awls_iterations if method == "awls" else SolverSettings.max_iterations
+        settings = SolverSettings(method or SolverSettings.method, max_iterations=cap)
         entry = row(case, CASES[case](), model, settings, starts) | {"solver": method}
         print(*entry.values(), file=sys.stderr, flush=True)
         yield entry
@@ -193,7 +194,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     verbs = parser.add_subparsers(dest="verb", required=True)
     fit = verbs.add_parser("fit", help="fit all cases by a model")
-    fit.add_argument("model", choices=variants.non_parametric())
+    fit.add_argument("model", choices=registry.non_parametric())
     fit.add_argument("--starts", type=int, required=True, help="of independent-g")
     fit.add_argument("--awls-iterations", type=int, required=True, help="cap on a start of awls")
     gather = verbs.add_parser("gather", help="join tables")

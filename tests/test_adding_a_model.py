@@ -82,7 +82,7 @@ def test_the_line_of_the_page_is_all_that_a_configuration_needs(project):
         "print(*provenance.closure(['npfm.models.schlick']))"
     )
     before, options, closure = run(project, "-c", code).splitlines()
-    assert options.startswith("--variant schlick ")
+    assert options.startswith("--model schlick ")
     assert "npfm.fitting.channels" in closure.split()
     assert "npfm.fitting.solvers.gauss_newton" not in closure.split()
     (project / FILE).write_text(EXAMPLE.replace("** 5", "** 4"))

@@ -35,7 +35,7 @@ def run(tmp_path):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(b"12345")
     fits = ["results/two/fits/a.npz", "results/two/fits/a.json"]
-    note(tmp_path, fits, "fit", "python -m npfm fit a --variant x -o a.npz", 10.0, 14.0)
+    note(tmp_path, fits, "fit", "python -m npfm fit a --model x -o a.npz", 10.0, 14.0)
     note(tmp_path, ["results/two/materials/a.binary"], "material", "npfm material a", 8.0, 9.0)
     note(tmp_path, ["results/two/materials/b.binary"], "material", "npfm material b", 8.0, 10.0)
     note(tmp_path, ["results/twofold/fits/a.npz"], "fit", "npfm fit of another run", 0.0, 90.0)
@@ -58,7 +58,7 @@ def test_jobs_are_repeated_with_outputs_of_their_own(run, tmp_path):
 
     kinds = overhead.kinds(run)
     assert {kind: count for kind, (_, count) in kinds.items()} == {
-        "fit --variant x": 1,
+        "fit --model x": 1,
         "material": 2,
     }
     command = "python -m npfm scene --light in/l.exr --record out/s.json -o out/s 2> out/log"

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from npfm.fitting import registry
 from npfm.fitting.factors.microfacet import G_NODES
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import (
@@ -17,7 +18,6 @@ from npfm.fitting.objective import (
 )
 from npfm.reflectance.angles import directions, half_difference
 from npfm.reflectance.half_difference import Grid
-from npfm.run import variants
 
 #: The same examples at every run, without a time limit for each.
 settings.register_profile("same", derandomize=True, deadline=None, max_examples=60, database=None)
@@ -134,13 +134,13 @@ def fits(model, grid):
 GRID = Grid(4, 3, 6)
 
 
-@pytest.mark.parametrize("model", variants.non_parametric())
+@pytest.mark.parametrize("model", registry.non_parametric())
 @settings(max_examples=25)
 @given(data=st.data())
 def test_models_are_not_negative_and_reciprocal(model, data):
     """But for naive, which is reciprocal as far as its H is symmetric."""
     fit = data.draw(fits(model, GRID))
-    table = variants.model(model).tabulate(fit)
+    table = registry.model(model).tabulate(fit)
     above = table.values[:, GRID.above_horizon]
     assert np.isfinite(above).all()
     assert (above >= 0).all()
@@ -148,5 +148,5 @@ def test_models_are_not_negative_and_reciprocal(model, data):
     if model == "naive":
         H = fit.parameters["H"]
         symmetric = Fit(model, fit.parameters | {"H": np.maximum(H, H[:, ::-1])}, GRID)
-        table = variants.model(model).tabulate(symmetric)
+        table = registry.model(model).tabulate(symmetric)
     assert np.array_equal(table.values, table.values[..., ::-1])

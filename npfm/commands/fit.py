@@ -1,7 +1,7 @@
 """``npfm fit``."""
 
 import argparse
-from dataclasses import replace
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -11,18 +11,20 @@ from npfm.commands.numbers import positive, whole
 from npfm.datasets import parameter_files
 from npfm.datasets.parameter_files import FitFile
 from npfm.errors import NpfmError, suggest
-from npfm.fitting import fits
+from npfm.fitting import fits, registry
+from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective
-from npfm.fitting.solvers.problem import Solve, Solver
+from npfm.fitting.registry import Model
+from npfm.fitting.solvers.choice import SOLVERS, chosen
+from npfm.fitting.solvers.problem import SolverSettings
 from npfm.reflectance.merl import read_binary
-from npfm.run import variants
 
 EXAMPLE = """\
 example:
-  python -m npfm fit chrome.binary --variant independent-g -o chrome.npz
+  python -m npfm fit chrome.binary --model independent-g -o chrome.npz
 writes chrome.npz (float32 parameters; rho_d and rho_s in 1/sr) and chrome.json (seconds,
 iterations and objective of every start).
-  python -m npfm fit chrome.binary --variant abc-published --published low_lowmicrofacet_E2.fit \\
+  python -m npfm fit chrome.binary --model abc-published --published low_lowmicrofacet_E2.fit \\
       -o chrome.npz
 takes the parameters that the file has for chrome, the name of the table. The objective is
 dimensionless: its share of the weighted sum of squares of the measurement.
@@ -31,15 +33,15 @@ dimensionless: its share of the weighted sum of squares of the measurement.
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    objective, solver = Objective(), Solver()
+    objective, solver = Objective(), SolverSettings()
     parser.epilog = EXAMPLE
     parser.add_argument("table", help="MERL .binary file to fit")
-    parser.add_argument("--variant", required=True, help=f"model: {', '.join(variants.models())}")
+    parser.add_argument("--model", required=True, help=f"one of {', '.join(registry.models())}")
     parser.add_argument("-o", "--output", required=True, help="fit to write (.npz)")
     parser.add_argument(
         "--solver",
         default=solver.method,
-        help=f"{' or '.join(variants.SOLVERS)} (default: %(default)s)",
+        help=f"{' or '.join(SOLVERS)} (default: %(default)s)",
     )
     parser.add_argument(
         "--tolerance",
@@ -57,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for setting, meaning in _own_settings().items():
         parser.add_argument(f"--{setting}", type=int, metavar="N", help=meaning)
     parser.add_argument(
-        "--published", metavar="FILE", help=".fit file that a variant *-published reads"
+        "--published", metavar="FILE", help=".fit file that a model *-published reads"
     )
     parser.add_argument(
         "--max-angle",
@@ -75,37 +77,52 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Fit, and write the fit and its record."""
-    model = variants.model(arguments.variant)
-    own = _given(arguments)
-    settings = Solver(arguments.solver, arguments.tolerance, arguments.max_iterations)
+    model = registry.declared(arguments.model)
+    own = _given(model, arguments)
+    settings = SolverSettings(arguments.solver, arguments.tolerance, arguments.max_iterations)
     objective = Objective(not arguments.no_compressive, arguments.max_angle)
-    solve = variants.solver(settings)
-    table = read_binary(arguments.table)
-    with tqdm(desc=f"fit {arguments.variant}", unit="start", disable=None) as progress:
+    with tqdm(desc=f"fit {arguments.model}", unit="start", disable=None) as progress:
+        solve = chosen(settings, after_start=progress.update)
+        table = read_binary(arguments.table)
         try:
-            fit = model.fit(table, objective, _watched(solve, progress), arguments.seed, **own)
+            fit = model.load().fit(table, objective, solve, arguments.seed, **own)
         except NpfmError as error:
             raise NpfmError(f"{arguments.table}: {error}") from error
-    fits.save(arguments.output, replace(fit, model=arguments.variant))
+    fits.save(arguments.output, fit)
+    print(f"npfm fit: {arguments.output}: {_summary(fit)}", file=sys.stderr)
+
+
+def _summary(fit: Fit) -> str:
+    """Objective, floor, time, size and status of a fit, in a line."""
+    records = fit.records
+    objective, floor = (
+        sum(getattr(record, name) for record in records) / len(records)
+        for name in ("objective", "objective_floor")
+    )
+    seconds = sum(record.seconds for record in records)
+    statuses = ", ".join(dict.fromkeys(record.status for record in records))
+    size = sum(array.nbytes for array in fit.parameters.values())
+    return (
+        f"objective {objective:.3g} (floor {floor:.3g}), {seconds:.2f} s, {size} bytes, {statuses}"
+    )
 
 
 def _own_settings() -> dict[str, str]:
     """Settings that only some models have, and what they mean to each."""
     meanings: dict[str, list[str]] = {}
-    for name, model in variants.models().items():
+    for name, model in registry.models().items():
         for setting, meaning in model.settings.items():
             meanings.setdefault(setting, []).append(f"of {name}: {meaning}")
     return {setting: "; ".join(said) for setting, said in meanings.items()}
 
 
-def _given(arguments: argparse.Namespace) -> dict[str, Any]:
+def _given(model: Model, arguments: argparse.Namespace) -> dict[str, Any]:
     """Return the settings that were given and only some models have."""
     given = {name: getattr(arguments, name) for name in (*_own_settings(), "published")}
     given = {name: value for name, value in given.items() if value is not None}
-    model = variants.declared(arguments.variant)
     own = {*model.settings, *(["published"] if model.published else [])}
     if wrong := [name for name in given if name not in own]:
-        raise NpfmError(f"--{wrong[0]} is not a setting of '{arguments.variant}'; leave it out")
+        raise NpfmError(f"--{wrong[0]} is not a setting of '{arguments.model}'; leave it out")
     if model.published:
         given["published"] = _parameters(arguments, FitFile(**model.published))
     return given
@@ -115,18 +132,8 @@ def _parameters(arguments: argparse.Namespace, file: FitFile) -> parameter_files
     """Return the published parameters of the material that the table is named after."""
     path = arguments.published
     if path is None:
-        raise NpfmError(f"'{arguments.variant}' needs --published, the path of {file.name}")
+        raise NpfmError(f"'{arguments.model}' needs --published, the path of {file.name}")
     name, found = Path(arguments.table).stem, parameter_files.read(path, file)
     if name not in found:
         raise NpfmError(f"{path}: no line for the material '{name}'; {suggest(name, found)}")
     return found[name]
-
-
-def _watched(solve: Solve, progress: tqdm) -> Solve:
-    class Starts(dict):
-        def items(self):
-            for item in super().items():
-                yield item
-                progress.update()
-
-    return lambda problem, starts: solve(problem, Starts(starts))

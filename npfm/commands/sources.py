@@ -2,16 +2,15 @@
 
 from pathlib import Path
 
-from npfm.fitting import fits
+from npfm.fitting import fits, registry
 from npfm.fitting.fits import Fit
 from npfm.reflectance.merl import read_binary
 from npfm.reflectance.table import Table
-from npfm.run import variants
 
 
 def tabulate(fit: Fit) -> Table:
     """Values of a fit, by the model that made it."""
-    return variants.model(fit.model).tabulate(fit)
+    return registry.model(fit.model).tabulate(fit)
 
 
 def table(path: str | Path) -> Table:

@@ -8,7 +8,7 @@ from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective
 from npfm.fitting.parametric import author_metrics, lobe_fits, lobes
 from npfm.fitting.parametric.abc import FORM
-from npfm.fitting.solvers.problem import Solve
+from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.table import Table
 
@@ -24,7 +24,7 @@ def parameter_count(grid: Grid) -> int:
     return lobes.parameter_count(FORM)
 
 
-def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
+def fit(table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
     """Fit the model; `solve` and `seed` are not needed. See `lobe_fits.fit`."""
     return lobe_fits.fit(NAME, FORM, author_metrics.compressive, table, objective)
 

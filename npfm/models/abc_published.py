@@ -7,7 +7,7 @@ from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective
 from npfm.fitting.parametric import lobes
 from npfm.fitting.parametric.abc import FORM
-from npfm.fitting.solvers.problem import Solve
+from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.table import Table
 
@@ -29,7 +29,7 @@ def parameter_count(grid: Grid) -> int:
 
 
 def fit(
-    table: Table, objective: Objective, solve: Solve, seed: int, *, published: Parameters
+    table: Table, objective: Objective, solve: Solver, seed: int, *, published: Parameters
 ) -> Fit:
     """Take the published parameters as they are; the table is for the record alone.
 

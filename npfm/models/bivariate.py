@@ -12,7 +12,7 @@ import numpy as np
 from npfm.fitting.channels import ChannelFit, as_table, fit_channels
 from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples, evaluate
-from npfm.fitting.solvers.problem import Solve
+from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.table import Table
 
@@ -26,7 +26,7 @@ def parameter_count(grid: Grid) -> int:
     return 3 * grid.theta_h_bins * grid.theta_d_bins
 
 
-def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
+def fit(table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
     """Fit the bivariate model; `solve` and `seed` are not needed, the minimum is closed form."""
     # It takes a tenth of a second to import: not at the top, for pictures of fits do without it.
     from scipy.ndimage import distance_transform_edt

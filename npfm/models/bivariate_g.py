@@ -32,7 +32,7 @@ from npfm.fitting.factors.slices import factors_of_slices
 from npfm.fitting.factors.smith import masking_shadowing
 from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples
-from npfm.fitting.solvers.problem import Solve
+from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.table import Table
 
@@ -173,7 +173,7 @@ def parameter_count(grid: Grid) -> int:
     return 3 * (grid.theta_h_bins * grid.theta_d_bins + G_NODES + 1)
 
 
-def fit_samples(samples: Samples, solve: Solve) -> tuple[BivariateGProblem, State, list[Trace]]:
+def fit_samples(samples: Samples, solve: Solver) -> tuple[BivariateGProblem, State, list[Trace]]:
     """Fit one channel of folded samples; none of the starts is random."""
     problem = BivariateGProblem(samples)
     D, _ = factors_of_slices(samples)
@@ -183,7 +183,7 @@ def fit_samples(samples: Samples, solve: Solve) -> tuple[BivariateGProblem, Stat
     return problem, state, traces
 
 
-def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
+def fit(table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
     """Fit the model from several starts for G and keep the best.
 
     Parameters
@@ -192,7 +192,7 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
         Measured BRDF in 1/sr.
     objective : Objective
         Weights and range.
-    solve : Solve
+    solve : Solver
         A solver with its settings.
     seed : int
         Not needed: no start is random.

@@ -12,7 +12,7 @@ from npfm.datasets.parameter_files import DIFFUSE, Parameters
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective
 from npfm.fitting.parametric import lobes
-from npfm.fitting.solvers.problem import Solve
+from npfm.fitting.solvers.problem import Solver
 from npfm.models.cook_torrance import FORM
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.merl import CHANNEL_SCALE
@@ -38,7 +38,7 @@ def parameter_count(grid: Grid) -> int:
 
 
 def fit(
-    table: Table, objective: Objective, solve: Solve, seed: int, *, published: Parameters
+    table: Table, objective: Objective, solve: Solver, seed: int, *, published: Parameters
 ) -> Fit:
     """Take the published parameters as they are; the table is for the record alone.
 

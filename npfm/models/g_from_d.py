@@ -20,7 +20,7 @@ from npfm.fitting.factors.slices import factors_of_slices
 from npfm.fitting.factors.smith import log_derivative, masking_shadowing
 from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples
-from npfm.fitting.solvers.problem import Solve
+from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.table import Table
 
@@ -114,13 +114,13 @@ def _starts(problem: GFromDProblem) -> Iterator[tuple[str, State]]:
     yield "slices-flat", problem.start(fitted.D, fitted.F)
 
 
-def fit_samples(samples: Samples, solve: Solve, starts: int = STARTS) -> tuple[State, list[Trace]]:
+def fit_samples(samples: Samples, solve: Solver, starts: int = STARTS) -> tuple[State, list[Trace]]:
     """Fit one channel of folded samples from the first of its starts."""
     problem = GFromDProblem(samples)
     return solve(problem, dict(islice(_starts(problem), starts)))
 
 
-def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
+def fit(table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
     """Fit the model from two starts and keep the better.
 
     Parameters
@@ -129,7 +129,7 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
         Measured BRDF in 1/sr.
     objective : Objective
         Weights and range.
-    solve : Solve
+    solve : Solver
         A solver with its settings.
     seed : int
         Not needed: no start is random.

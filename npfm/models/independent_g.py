@@ -21,7 +21,7 @@ from npfm.fitting.factors.slices import factors_of_slices
 from npfm.fitting.factors.smith import masking_shadowing
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective, Samples
-from npfm.fitting.solvers.problem import Solve
+from npfm.fitting.solvers.problem import Solver
 from npfm.models import g_from_d
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.table import Table
@@ -109,7 +109,7 @@ def parameter_count(grid: Grid) -> int:
 
 
 def fit(
-    table: Table, objective: Objective, solve: Solve, seed: int, *, starts: int = STARTS
+    table: Table, objective: Objective, solve: Solver, seed: int, *, starts: int = STARTS
 ) -> Fit:
     """Fit the model from several starts and keep the best.
 
@@ -119,7 +119,7 @@ def fit(
         Measured BRDF in 1/sr.
     objective : Objective
         Weights and range.
-    solve : Solve
+    solve : Solver
         A solver with its settings.
     seed : int
         Seed of the random starts.

@@ -20,7 +20,7 @@ from npfm.fitting.channels import ChannelFit, as_table, fit_channels
 from npfm.fitting.factors.microfacet import G_NODES, compiled, tabulate_product
 from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples
-from npfm.fitting.solvers.problem import Solve
+from npfm.fitting.solvers.problem import Solver
 from npfm.models import bivariate_g
 from npfm.models.bivariate_g import BivariateGProblem, State
 from npfm.reflectance.half_difference import Grid
@@ -160,7 +160,7 @@ class Compressor:
         return found, Trace(name, status, len(objectives) - 1, 0, tuple(seconds), relative)
 
     def _swept(self, before: Compressed, released: bool) -> Compressed:
-        """Solve for U, then for V."""
+        """Solver for U, then for V."""
         equations = self.equations
         if released:
             negative = equations.wkk * np.minimum(before.U @ before.V.T, 0.0)
@@ -189,7 +189,7 @@ def parameter_count(grid: Grid, rank: int = RANK) -> int:
     return 3 * (rank * (grid.theta_h_bins + grid.theta_d_bins) + G_NODES + 1)
 
 
-def fit(table: Table, objective: Objective, solve: Solve, seed: int, *, rank: int = RANK) -> Fit:
+def fit(table: Table, objective: Objective, solve: Solver, seed: int, *, rank: int = RANK) -> Fit:
     """Fit bivariate-g, then compress its B from several starts and keep the best.
 
     Parameters
@@ -198,7 +198,7 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int, *, rank: in
         Measured BRDF in 1/sr.
     objective : Objective
         Weights and range.
-    solve : Solve
+    solve : Solver
         A solver with its settings, for bivariate-g.
     seed : int
         Seed of the random starts.

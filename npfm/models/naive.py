@@ -14,7 +14,7 @@ from npfm.fitting.channels import ChannelFit, as_table, fit_channels
 from npfm.fitting.factors.problem import FactorProblem, State, Sums, quotient, updated_D, updated_F
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective, Samples
-from npfm.fitting.solvers.problem import Solve
+from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.table import Table
 
@@ -112,7 +112,7 @@ def parameter_count(grid: Grid) -> int:
     return 3 * (sum(grid.shape) + 2)
 
 
-def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
+def fit(table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
     """Fit the naive model from a start of ones, in a single run as in the paper.
 
     Parameters
@@ -121,7 +121,7 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int) -> Fit:
         Measured BRDF in 1/sr.
     objective : Objective
         Weights and range.
-    solve : Solve
+    solve : Solver
         A solver with its settings.
     seed : int
         Not needed: no start is random.

@@ -37,7 +37,7 @@ from scipy.sparse.linalg import splu
 from npfm.fitting.channels import ChannelFit, as_table, fit_channels
 from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples, evaluate
-from npfm.fitting.solvers.problem import Solve
+from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance.angles import directions
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.table import Table
@@ -194,7 +194,7 @@ def parameter_count(grid: Grid) -> int:
     return 3 * (TERMS * (grid.theta_h_bins + PHI_H_NODES + THETA_O_NODES + 1) + 1)
 
 
-def fit(table: Table, objective: Objective, solve: Solve, seed: int, *, sweeps: int = 0) -> Fit:
+def fit(table: Table, objective: Objective, solve: Solver, seed: int, *, sweeps: int = 0) -> Fit:
     """Resample each channel, take the logarithm, and decompose it; nothing in it is random.
 
     Parameters
@@ -203,7 +203,7 @@ def fit(table: Table, objective: Objective, solve: Solve, seed: int, *, sweeps: 
         Measured BRDF in 1/sr.
     objective : Objective
         Which samples count; its weights do not, but in the record.
-    solve : Solve
+    solve : Solver
         Not needed.
     seed : int
         Not needed.

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from npfm.run import variants
+from npfm.fitting import registry
+from npfm.fitting.solvers.choice import SOLVERS
 from npfm.run.config import Run, check
 from npfm.run.study import fit_folders
 
@@ -66,7 +67,7 @@ class Plan:
     def traced(self) -> dict[str, str]:
         """Folder of the fits of `MODEL` by each solver."""
         settings = self.settings("model")
-        return {solver: settings[f"{MODEL}/{solver}"] for solver in variants.SOLVERS}
+        return {solver: settings[f"{MODEL}/{solver}"] for solver in SOLVERS}
 
     def fits(self, material: str) -> list[str]:
         """All fits of a material, without repetition."""
@@ -144,7 +145,7 @@ def _stages(config: Mapping[str, Any]) -> dict[str, dict[str, dict]]:
     ]
     models = {}
     # What is published took no time here.
-    fitted = [entry for entry in own if not variants.declared(entry["model"]).published]
+    fitted = [entry for entry in own if not registry.declared(entry["model"]).published]
     for entry in [{"name": MODEL, "model": MODEL}, *fitted]:
         models |= _by_solver(entry, config["accuracy_cost"]["awls_iterations"])
     return {
@@ -157,7 +158,7 @@ def _stages(config: Mapping[str, Any]) -> dict[str, dict[str, dict]]:
 def _by_solver(entry: dict, awls_iterations: int) -> dict[str, dict]:
     """A variant by each solver, but for one that names its own or needs none."""
     solver = entry.get("solver", {})
-    if not variants.declared(entry["model"]).solver:
+    if not registry.declared(entry["model"]).solver:
         return {entry["name"]: entry}
     if "method" in solver:
         return {f"{entry['name']}/{solver['method']}": entry}
@@ -165,7 +166,7 @@ def _by_solver(entry: dict, awls_iterations: int) -> dict[str, dict]:
     return {
         f"{entry['name']}/{name}": entry
         | {"solver": {**solver, "method": name, **caps.get(name, {})}}
-        for name in variants.SOLVERS
+        for name in SOLVERS
     }
 
 

@@ -15,10 +15,11 @@ from npfm.datasets import merl_folder, neural, parameter_files, synthetic
 from npfm.datasets.names import MERL_NAMES, select
 from npfm.datasets.parameter_files import FitFile
 from npfm.errors import NpfmError, suggest
+from npfm.fitting import registry
+from npfm.fitting.registry import Model
+from npfm.fitting.solvers.choice import SOLVERS
 from npfm.rendering.scenes import Scene
-from npfm.run import variants
 from npfm.run.provenance import digest
-from npfm.run.variants import Model
 
 SCHEMA = Path(__file__).parents[2] / "workflow" / "schemas" / "config.schema.yaml"
 
@@ -139,7 +140,7 @@ class Run:
     def fit_code(self, variant: str) -> str:
         """Digest of the code that fits a variant: its model, and its solver if it uses one."""
         chosen = self.variants[variant]
-        model = variants.declared(chosen.model)
+        model = registry.declared(chosen.model)
         entries = [model.module, "npfm.fitting.fits", "npfm.reflectance.merl"]
         if model.solver:
             entries.append(f"npfm.fitting.solvers.{chosen.solver.replace('-', '_')}")
@@ -154,7 +155,7 @@ class Run:
         """Digest of the code that renders a variant, or the measurement."""
         entries = ["npfm.rendering.transport", "npfm.storage.pictures", "npfm.fitting.fits"]
         if variant in self.variants:
-            entries.append(variants.declared(self.variants[variant].model).module)
+            entries.append(registry.declared(self.variants[variant].model).module)
         return digest(tuple(entries), ("npfm.commands.render", "npfm.commands.sources"))
 
     def light_code(self, name: str) -> str:
@@ -219,7 +220,7 @@ def check(config: Mapping[str, Any]) -> Run:
     """
     _check_schema(config)
     named = _variants(config)
-    known = {**named, **variants.models()}
+    known = {**named, **registry.models()}
     if unknown := [name for name in config["colors"] if name not in known]:
         hint = suggest(unknown[0], known)
         raise NpfmError(f"config: colors: unknown variant '{unknown[0]}'; {hint}")
@@ -272,7 +273,7 @@ def _variants(config: Mapping[str, Any]) -> dict[str, Variant]:
     for entry in config["variants"]:
         entry = {"name": entry, "model": entry} if isinstance(entry, str) else entry
         try:
-            model = variants.declared(entry["model"])
+            model = registry.declared(entry["model"])
         except NpfmError as error:
             raise NpfmError(f"config: variants: {error}") from error
         if entry["name"] in named or entry["name"] == "measured":
@@ -281,12 +282,12 @@ def _variants(config: Mapping[str, Any]) -> dict[str, Variant]:
             )
         objective = config["objective"] | entry.get("objective", {})
         solver = config["solver"] | entry.get("solver", {})
-        if solver["method"] not in variants.SOLVERS:
-            hint = suggest(solver["method"], variants.SOLVERS)
+        if solver["method"] not in SOLVERS:
+            hint = suggest(solver["method"], SOLVERS)
             raise NpfmError(f"config: solver: unknown solver '{solver['method']}'; {hint}")
         published = _published_file(model, config)
         options = (
-            f"--variant {entry['model']} --solver {solver['method']}"
+            f"--model {entry['model']} --solver {solver['method']}"
             f" --tolerance {solver['tolerance']} --max-iterations {solver['max_iterations']}"
             + _own_settings(entry, solver, model)
             + (f" --published {shlex.quote(published)}" if published else "")
@@ -324,7 +325,7 @@ def _missing(named: Mapping[str, Variant], materials: Sequence[str]) -> frozense
     missing = set()
     for variant in named.values():
         if variant.published:
-            file = FitFile(**variants.declared(variant.model).published)
+            file = FitFile(**registry.declared(variant.model).published)
             there = parameter_files.read(variant.published, file)
             absent = {(variant.name, name) for name in materials if name not in there}
             if len(absent) == len(materials):

@@ -17,7 +17,7 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("verbs")
     calls = [
         f"material --synthetic chalk -o {folder}/chalk.binary",
-        f"fit {folder}/chalk.binary --variant bivariate -o {folder}/chalk.npz",
+        f"fit {folder}/chalk.binary --model bivariate -o {folder}/chalk.npz",
         f"light --generate grove --height 16 -o {folder}/grove.exr",
         f"scene --light {folder}/grove.exr --objects sphere --resolution 8 --samples 64"
         f" -o {folder}/scene",
@@ -86,18 +86,18 @@ def test_missing_samples_are_black_in_the_picture_of_a_fit(folder):
 @pytest.mark.parametrize(
     ("call", "named"),
     [
-        ("fit {folder}/none.binary --variant naive -o {out}", "none.binary"),
-        ("fit {folder}/short.binary --variant naive -o {out}", "short.binary"),
-        ("fit {folder}/shape.binary --variant naive -o {out}", "90 x 90 x 180"),
-        ("fit {folder}/nan.binary --variant naive -o {out}", "NaN"),
-        ("fit {folder}/empty.binary --variant naive -o {out}", "green channel"),
-        ("fit {folder}/chalk.binary --variant niave -o {out}", "did you mean naive"),
-        ("fit {folder}/chalk.binary --variant naive --solver newton -o {out}", "unknown solver"),
-        ("fit {folder}/chalk.binary --variant naive --seed -1 -o {out}", "--seed: '-1'"),
-        ("fit {folder}/chalk.binary --variant naive --max-angle -5 -o {out}", "-5 degrees"),
-        ("fit {folder}/chalk.binary --variant naive --tolerance nan -o {out}", "--tolerance"),
-        ("fit {folder}/chalk.binary --variant naive --max-iterations 0 -o {out}", "1 or more"),
-        ("fit {folder}/chalk.binary -o {out}", "required: --variant"),
+        ("fit {folder}/none.binary --model naive -o {out}", "none.binary"),
+        ("fit {folder}/short.binary --model naive -o {out}", "short.binary"),
+        ("fit {folder}/shape.binary --model naive -o {out}", "90 x 90 x 180"),
+        ("fit {folder}/nan.binary --model naive -o {out}", "NaN"),
+        ("fit {folder}/empty.binary --model naive -o {out}", "green channel"),
+        ("fit {folder}/chalk.binary --model niave -o {out}", "did you mean naive"),
+        ("fit {folder}/chalk.binary --model naive --solver newton -o {out}", "unknown solver"),
+        ("fit {folder}/chalk.binary --model naive --seed -1 -o {out}", "--seed: '-1'"),
+        ("fit {folder}/chalk.binary --model naive --max-angle -5 -o {out}", "-5 degrees"),
+        ("fit {folder}/chalk.binary --model naive --tolerance nan -o {out}", "--tolerance"),
+        ("fit {folder}/chalk.binary --model naive --max-iterations 0 -o {out}", "1 or more"),
+        ("fit {folder}/chalk.binary -o {out}", "required: --model"),
         ("material --synthetic chalk --seed x -o {out}", "--seed: 'x'"),
         ("light {folder}/grove.exr --layout lat-long --height 0 -o {out}", "--height: '0'"),
         ("light {folder}/grove.exr -o {out}", "give --layout angular-map or lat-long"),
@@ -153,10 +153,11 @@ BLOCKED = """
 import sys
 for name in ("numba", "pandas", "matplotlib", "scipy.linalg", "scipy.ndimage", "tqdm"):
     sys.modules[name] = None
-from npfm.run import variants
+from npfm.fitting import registry
+from npfm.fitting.solvers.choice import SOLVERS, chosen
 from npfm.commands import render
 for name in ("bivariate", "independent-g", "g-from-d", "naive", "bivariate-g", "low-rank-b"):
-    variants.model(name)
+    registry.model(name)
 """
 
 

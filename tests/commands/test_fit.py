@@ -53,7 +53,7 @@ def refused(capsys, folder, *arguments):
 
 def test_fit_writes_the_fit_and_its_record(capsys, tmp_path, felt):
     path = tmp_path / "new" / "felt.npz"
-    assert run(capsys, "fit", felt, "--variant", "bivariate", "-o", path)[:2] == (0, "")
+    assert run(capsys, "fit", felt, "--model", "bivariate", "-o", path)[:2] == (0, "")
     fit, direct = fits.load(path), bivariate.fit(read_binary(felt), Objective(), None, 1)
     assert fit.model == "bivariate"
     assert np.array_equal(fit.parameters["B"], direct.parameters["B"])
@@ -69,7 +69,7 @@ def test_fit_writes_the_fit_and_its_record(capsys, tmp_path, felt):
 def test_options_reach_the_objective(capsys, tmp_path, felt):
     path, table = tmp_path / "felt.npz", read_binary(felt)
     options = ["--no-compressive", "--max-angle", "70"]
-    assert run(capsys, "fit", felt, "--variant", "bivariate", *options, "-o", path)[0] == 0
+    assert run(capsys, "fit", felt, "--model", "bivariate", *options, "-o", path)[0] == 0
     direct = bivariate.fit(table, Objective(compressive=False, max_angle=70.0), None, 1)
     assert np.array_equal(fits.load(path).parameters["B"], direct.parameters["B"])
     default = bivariate.fit(table, Objective(), None, 1)
@@ -80,7 +80,7 @@ def test_options_reach_the_objective(capsys, tmp_path, felt):
 def test_options_reach_the_solver(capsys, tmp_path, felt, solver):
     path = tmp_path / "felt.npz"
     options = ["--solver", solver, "--max-iterations", "1", "--tolerance", "1e-12"]
-    assert run(capsys, "fit", felt, "--variant", "naive", *options, "-o", path)[0] == 0
+    assert run(capsys, "fit", felt, "--model", "naive", *options, "-o", path)[0] == 0
     for channel in fits.load_record(path)["channels"]:
         assert channel.status == "iteration cap"
         assert len(channel.traces[0].objective) == 2
@@ -88,7 +88,7 @@ def test_options_reach_the_solver(capsys, tmp_path, felt, solver):
 
 def test_rank_reaches_the_model(capsys, tmp_path, felt):
     path = tmp_path / "felt.npz"
-    assert run(capsys, "fit", felt, "--variant", "low-rank-b", "--rank", 2, "-o", path)[0] == 0
+    assert run(capsys, "fit", felt, "--model", "low-rank-b", "--rank", 2, "-o", path)[0] == 0
     assert fits.load(path).parameters["U"].shape[-1] == 2
 
 
@@ -102,13 +102,13 @@ def test_rank_reaches_the_model(capsys, tmp_path, felt):
     ],
 )
 def test_settings_of_other_models_are_refused(capsys, tmp_path, felt, variant, option, value, said):
-    call = "fit", felt, "--variant", variant, option, value, "-o", tmp_path / "felt.npz"
+    call = "fit", felt, "--model", variant, option, value, "-o", tmp_path / "felt.npz"
     assert said in refused(capsys, tmp_path, *call)
 
 
 def test_tabulate_writes_the_fit_as_a_merl_file(capsys, tmp_path, felt):
     fit, table = tmp_path / "felt.npz", tmp_path / "fitted.binary"
-    run(capsys, "fit", felt, "--variant", "bivariate", "-o", fit)
+    run(capsys, "fit", felt, "--model", "bivariate", "-o", fit)
     assert run(capsys, "tabulate", fit, "-o", table)[:2] == (0, "")
     found, expected = read_binary(table), bivariate.tabulate(fits.load(fit))
     assert (found.valid == MERL.above_horizon).all()
@@ -119,10 +119,10 @@ def test_tabulate_writes_the_fit_as_a_merl_file(capsys, tmp_path, felt):
 
 def test_unknown_names_are_answered_with_near_ones(capsys, tmp_path, felt):
     output = tmp_path / "x.npz"
-    line = refused(capsys, tmp_path, "fit", felt, "--variant", "independant-g", "-o", output)
+    line = refused(capsys, tmp_path, "fit", felt, "--model", "independant-g", "-o", output)
     assert "independent-g" in line
     line = refused(
-        capsys, tmp_path, "fit", felt, "--variant", "naive", "--solver", "als", "-o", output
+        capsys, tmp_path, "fit", felt, "--model", "naive", "--solver", "als", "-o", output
     )
     assert "awls" in line
 
@@ -164,7 +164,7 @@ def test_a_broken_table_is_refused(capsys, tmp_path, felt, kind, said):
     table = tmp_path / "broken.binary"
     broken(kind, table, felt)
     output = tmp_path / "x.npz"
-    line = refused(capsys, tmp_path, "fit", table, "--variant", "bivariate", "-o", output)
+    line = refused(capsys, tmp_path, "fit", table, "--model", "bivariate", "-o", output)
     assert str(table) in line
     assert said in line
 
@@ -174,7 +174,7 @@ def test_a_channel_without_a_sample_in_range_names_the_file(capsys, tmp_path, fe
     values[1, np.minimum(*MERL.cosines) > np.cos(np.deg2rad(80))] = -1
     table = tmp_path / "grazing.binary"
     write_binary(table, Table(values))
-    call = ["fit", table, "--variant", "bivariate", "--max-angle", "75"]
+    call = ["fit", table, "--model", "bivariate", "--max-angle", "75"]
     line = refused(capsys, tmp_path, *call, "-o", tmp_path / "x.npz")
     assert f"{table}: the green channel" in line
 
@@ -182,14 +182,14 @@ def test_a_channel_without_a_sample_in_range_names_the_file(capsys, tmp_path, fe
 @pytest.mark.parametrize("name", ["x.fit", "x", "x.json", "folder"])
 def test_a_fit_under_another_name_is_refused(capsys, tmp_path, felt, name):
     (tmp_path / "folder").mkdir()
-    line = refused(capsys, tmp_path, "fit", felt, "--variant", "bivariate", "-o", tmp_path / name)
+    line = refused(capsys, tmp_path, "fit", felt, "--model", "bivariate", "-o", tmp_path / name)
     assert ".npz" in line
 
 
 def test_an_output_that_cannot_be_written_is_told_in_one_line(capsys, tmp_path, felt):
     (tmp_path / "file").write_text("in the way")
     output = tmp_path / "file" / "x.npz"
-    line = refused(capsys, tmp_path, "fit", felt, "--variant", "bivariate", "-o", output)
+    line = refused(capsys, tmp_path, "fit", felt, "--model", "bivariate", "-o", output)
     assert str(tmp_path / "file") in line
 
 
@@ -199,7 +199,7 @@ def test_published_parameters_are_those_of_the_tables_name(capsys, tmp_path, fel
         "LowMicrofacetFit(A = [1, 2, 3], B = 100, C = 1.5, eta = 1.5))\n"
     )
     file, path = tmp_path / "abc.fit", tmp_path / "felt.npz"
-    call = ["fit", felt, "--variant", "abc-published"]
+    call = ["fit", felt, "--model", "abc-published"]
     file.write_text(text)
     assert run(capsys, *call, "--published", file, "-o", path)[:2] == (0, "")
     fit, record = fits.load(path), fits.load_record(path)
@@ -270,7 +270,7 @@ def test_help_shows_an_example_and_units(capsys, verb):
 def test_as_a_program(tmp_path):
     """A mistake is one line on the error output, exit code 1, and no traceback."""
     absent, output = f"{tmp_path}/none.binary", f"{tmp_path}/x.npz"
-    call = [sys.executable, "-m", "npfm", "fit", absent, "--variant", "naive", "-o", output]
+    call = [sys.executable, "-m", "npfm", "fit", absent, "--model", "naive", "-o", output]
     done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr.startswith(f"npfm fit: {absent}: no such file")

@@ -3,9 +3,9 @@ import pytest
 
 from npfm.datasets.parameter_files import DIFFUSE, FitFile, read
 from npfm.errors import NpfmError
-from npfm.run import variants
+from npfm.fitting import registry
 
-FILE = FitFile(**variants.declared("cook-torrance-published").published)
+FILE = FitFile(**registry.declared("cook-torrance-published").published)
 LINE = (
     "{name} = Aggregate(Lambertian(albedo = [0.1, 0.2, 0.3]), "
     "NganCookTorrance(albedo = [1, 2, 3], eta = 0.5, roughness = 1e-2))\n"
@@ -84,7 +84,7 @@ def test_a_file_without_a_material_says_where_to_get_one(tmp_path, content, said
     [("abc-published", 100), ("shifted-gamma-published", 100), ("cook-torrance-published", 86)],
 )
 def test_the_published_files_are_read_whole(data, variant, count):
-    file = FitFile(**variants.declared(variant).published)
+    file = FitFile(**registry.declared(variant).published)
     found = read(data / "published_fits" / file.name, file)
     assert len(found) == count
     assert all((values[DIFFUSE] >= 0).all() for values in found.values())

@@ -15,7 +15,8 @@ from npfm.evaluation import tables
 from npfm.evaluation.metrics import psnr
 from npfm.fitting.fits import ChannelRecord, Fit, Trace, save
 from npfm.fitting.objective import Objective
-from npfm.fitting.solvers.problem import Solver
+from npfm.fitting.solvers.choice import chosen
+from npfm.fitting.solvers.problem import SolverSettings
 from npfm.models import g_from_d, independent_g
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.table import CHANNELS, INVALID, Table
@@ -26,7 +27,6 @@ from npfm.rendering.scenes import Scene
 from npfm.rendering.transport import Transport
 from npfm.run.accuracy_cost import plan
 from npfm.run.config import check
-from npfm.run.variants import solver
 
 DEFAULT = yaml.safe_load((Path(__file__).parents[2] / "config.yaml").read_text())
 GRID = Grid(6, 5, 8)
@@ -47,7 +47,7 @@ def test_starts_and_tolerances_are_those_asked_for_and_each_solver_has_its_varia
     assert expected | {"bivariate"} <= set(made.settings("model"))
     for n in range(1, 9):
         options = made.study.variants[f"starts-{n}"].options
-        assert "--variant independent-g --solver gauss-newton" in options
+        assert "--model independent-g --solver gauss-newton" in options
         assert f"--starts {n} " in options
     awls = made.study.variants["model-independent-g-awls"].options
     assert "--solver awls" in awls and "--max-iterations 60" in awls
@@ -283,7 +283,7 @@ def glossy():
 
 
 def test_fewer_starts_are_the_first_ones_and_cost_no_more(glossy, monkeypatch):
-    solve = solver(Solver(tolerance=1e-2, max_iterations=5))
+    solve = chosen(SolverSettings(tolerance=1e-2, max_iterations=5))
     everything = independent_g.fit(glossy, Objective(), solve, seed=1)
     monkeypatch.setattr(g_from_d, "fit_samples", None)  # not among the first five
     few = independent_g.fit(glossy, Objective(), solve, seed=1, starts=5)

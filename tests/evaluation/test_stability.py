@@ -14,15 +14,14 @@ from stability import fitted, row, runs, violations
 
 from npfm.errors import NpfmError
 from npfm.evaluation.metrics import psnr
-from npfm.fitting import channels, fits
-from npfm.fitting.solvers.problem import Solver
+from npfm.fitting import channels, fits, registry
+from npfm.fitting.solvers.problem import SolverSettings
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.merl import write_binary
 from npfm.reflectance.table import CHANNELS, INVALID, Table
 from npfm.rendering import assembly, transport
 from npfm.rendering.lights.environment import Environment
 from npfm.rendering.scenes import Scene
-from npfm.run import variants
 
 ROOT = Path(__file__).parents[2]
 GRID = Grid(8, 8, 16)
@@ -43,7 +42,7 @@ every_run = pytest.mark.parametrize(("model", "method"), list(runs()))
 
 
 def settings(method):
-    return Solver(method or Solver.method, max_iterations=15)
+    return SolverSettings(method or SolverSettings.method, max_iterations=15)
 
 
 def unrounded(table, model, solver):
@@ -111,7 +110,7 @@ def test_float32_changes_no_psnr(exact, scene, case, model, method):
     table, fit = CASES[case](GRID), exact(case, model, method)
     if (rounded := stored(fit)) is None:  # refused
         return
-    tabulate = variants.model(model).tabulate
+    tabulate = registry.model(model).tabulate
     measured, before, after = (
         transport.render(scene, Table(np.where(table.valid, made.values, INVALID), GRID))
         for made in (table, tabulate(fit), tabulate(rounded))
@@ -131,10 +130,13 @@ def test_another_unit_scales_the_fit(model, method):
 
     A few iterations only: each can enlarge the difference. The golden sections of AWLS do most.
     """
-    table, few = CASES["channels-apart"](GRID), Solver(method or Solver.method, max_iterations=4)
+    table, few = (
+        CASES["channels-apart"](GRID),
+        SolverSettings(method or SolverSettings.method, max_iterations=4),
+    )
     larger = Table(np.where(table.valid, 3 * table.values, INVALID), GRID)
     one, other = (
-        variants.model(model).tabulate(unrounded(x, model, few)).values[:, GRID.above_horizon]
+        registry.model(model).tabulate(unrounded(x, model, few)).values[:, GRID.above_horizon]
         for x in (table, larger)
     )
     difference = np.abs(other / 3 - one).max(1) / one.max(1)
@@ -166,7 +168,7 @@ def test_one_thread_or_two_give_the_same_bytes(tmp_path):
     write_binary(tmp_path / "noise.binary", CASES["noise"]())
     content = set()
     for threads in ("1", "2"):
-        call = f"fit noise.binary --variant naive --max-iterations 2 -o {threads}.npz".split()
+        call = f"fit noise.binary --model naive --max-iterations 2 -o {threads}.npz".split()
         counts = {f"{name}_NUM_THREADS": threads for name in ("OMP", "OPENBLAS", "MKL")}
         environment = os.environ | counts | {"PYTHONPATH": str(ROOT)}
         subprocess.run(
@@ -191,6 +193,6 @@ def test_a_row_of_the_table(model, method):
 
 
 def test_a_refusal_is_a_row_too():
-    entry = row("nan-entries", CASES["nan-entries"](GRID), "naive", Solver(), STARTS)
+    entry = row("nan-entries", CASES["nan-entries"](GRID), "naive", SolverSettings(), STARTS)
     assert entry["status"].startswith("refused: the red channel")
     assert entry["finite"] is entry["objective"] is entry["condition"] is None

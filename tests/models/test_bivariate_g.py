@@ -5,18 +5,19 @@ import pytest
 from scipy.optimize import least_squares, nnls
 
 from npfm.datasets import neural
+from npfm.fitting import registry
 from npfm.fitting.factors.microfacet import G_NODES, G_THETA, kernel, tabulate_channel
 from npfm.fitting.factors.problem import Sums
 from npfm.fitting.objective import Objective, channel_samples, evaluate, fold
 from npfm.fitting.solvers import gauss_newton
-from npfm.fitting.solvers.problem import Solver
+from npfm.fitting.solvers.choice import SOLVERS, chosen
+from npfm.fitting.solvers.problem import SolverSettings
 from npfm.models import bivariate_g
 from npfm.models.bivariate_g import BivariateGProblem, best_B, best_rho_d
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.table import INVALID, Table
-from npfm.run import variants
 
-solve = variants.solver(Solver())
+solve = chosen(SolverSettings())
 
 
 def samples_of(table, channel=0):
@@ -126,7 +127,7 @@ def test_general_least_squares_find_the_same_minimum():
 
     packed = np.concatenate([start.B.ravel(), problem.pack(start), [start.rho_d]])
     slow = least_squares(residuals, packed, method="lm", ftol=1e-12, xtol=1e-12)
-    state, trace = gauss_newton.minimise(problem, "half", start, Solver(tolerance=1e-9))
+    state, trace = gauss_newton.minimise(problem, "half", start, SolverSettings(tolerance=1e-9))
     assert trace.status == "converged"
     assert state.B.min() > 0 and state.rho_d > 0
     expected = problem.samples.floor + 2 * slow.cost
@@ -147,13 +148,13 @@ def test_equivalent_G_are_the_same_state(table):
     assert abs(trend) < 1e-10
 
 
-@pytest.mark.parametrize("method", variants.SOLVERS)
+@pytest.mark.parametrize("method", SOLVERS)
 def test_any_start_leads_to_the_same_minimum(table, method):
     problem = BivariateGProblem(samples_of(table))
     rng = np.random.default_rng(4)
     starts = {"ones": np.ones(G_NODES), "cosine": np.cos(G_THETA)}
     starts |= {f"random-{k}": rng.uniform(0.1, 1, G_NODES) for k in range(2)}
-    solver = variants.solver(Solver(method, tolerance=1e-6))
+    solver = chosen(SolverSettings(method, tolerance=1e-6))
     found = [
         problem.objective(solver(problem, {name: problem.start(G)})[0])
         for name, G in starts.items()
@@ -184,7 +185,7 @@ def test_real_materials_are_fitted_no_worse_than_by_what_it_subsumes(data, name)
     material = thinned(neural.load(data / "merl_nbrdf.zip", name))
     found = {}
     for model in ("bivariate-g", "bivariate", "independent-g"):
-        module = variants.model(model)
+        module = registry.model(model)
         fitted = module.tabulate(module.fit(material, Objective(), solve, 1))
         samples = [channel_samples(material, channel, Objective()) for channel in range(3)]
         found[model] = [

@@ -5,11 +5,11 @@ import pytest
 
 from npfm.datasets import neural
 from npfm.datasets.parameter_files import FitFile, read
+from npfm.fitting import registry
 from npfm.fitting.objective import Objective, channel_samples
 from npfm.fitting.parametric import author_metrics
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.table import Table
-from npfm.run import variants
 
 #: Each of our fits: what it minimises, and the published fit of the same form.
 COMPARED = {
@@ -47,12 +47,12 @@ def measured(data):
 def test_our_fit_is_no_worse_than_the_published_one(data, measured, name, material):
     metric, published = COMPARED[name]
     table = measured[material]
-    ours = variants.model(name).fit(table, Objective(), None, 1)
-    theirs = variants.model(published)
-    file = FitFile(**variants.declared(published).published)
+    ours = registry.model(name).fit(table, Objective(), None, 1)
+    theirs = registry.model(published)
+    file = FitFile(**registry.declared(published).published)
     parameters = read(data / "published_fits" / file.name, file)[material]
     fit = theirs.fit(table, Objective(), None, 1, published=parameters)
-    found = error(metric, table, variants.model(name).tabulate(ours))
+    found = error(metric, table, registry.model(name).tabulate(ours))
     assert found < error(metric, table, theirs.tabulate(fit))
     if metric is author_metrics.compressive:
         shares = [record.objective for record in ours.records]
@@ -60,7 +60,7 @@ def test_our_fit_is_no_worse_than_the_published_one(data, measured, name, materi
 
 
 def test_every_model_that_is_compared_with_is_here():
-    there = {name for name, model in variants.models().items() if model.published}
+    there = {name for name, model in registry.models().items() if model.published}
     assert {published for _, published in COMPARED.values()} == there
 
 

@@ -6,12 +6,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from npfm.fitting import fits
+from npfm.fitting import fits, registry
 from npfm.fitting.objective import Objective, channel_samples, evaluate, fold
-from npfm.fitting.solvers.problem import Solver
+from npfm.fitting.solvers.choice import SOLVERS, chosen
+from npfm.fitting.solvers.problem import SolverSettings
 from npfm.reflectance.half_difference import MERL, Grid
 from npfm.reflectance.table import CHANNELS, INVALID, Table
-from npfm.run import variants
 
 #: Bytes of a material (section 3 of Bagher et al. 2016, and its rule for the others).
 BYTES = {"independent-g": 3264, "g-from-d": 2184, "naive": 4344, "bivariate": 97200}
@@ -31,7 +31,7 @@ STARTS = {
 #: Parameters that are curves of maximum 1.
 FACTORS = {"D", "F", "G", "H"}
 #: What is read from a file of its authors is no fit.
-MODELS = {name: model for name, model in variants.models().items() if not model.published}
+MODELS = {name: model for name, model in registry.models().items() if not model.published}
 
 every_model = pytest.mark.parametrize("name", MODELS)
 every_minimiser = pytest.mark.parametrize("name", [n for n in MODELS if MODELS[n].objective])
@@ -61,12 +61,12 @@ def refitted(fitted):
 
 
 def fit_with(name, table, seed=1, **settings):
-    model = variants.model(name)
-    return model.fit(table, Objective(), variants.solver(Solver(**settings)), seed)
+    model = registry.model(name)
+    return model.fit(table, Objective(), chosen(SolverSettings(**settings)), seed)
 
 
 def tabulate(fit):
-    return variants.model(fit.model).tabulate(fit)
+    return registry.model(fit.model).tabulate(fit)
 
 
 def relative_objective(table, model, channel):
@@ -96,7 +96,7 @@ def test_parameters_are_what_they_should_be(fitted, name):
         assert array.shape[0] == (1 if key in MODELS[name].shared else 3)
         assert np.isfinite(array).all()
         assert key in MODELS[name].signed or (array >= 0).all(), key
-    clamp = np.float32(getattr(variants.model(name), "CLAMP", 0))
+    clamp = np.float32(getattr(registry.model(name), "CLAMP", 0))
     for key in FACTORS & fit.parameters.keys():
         assert (fit.parameters[key].max(axis=1) == 1).all(), key
         assert (fit.parameters[key] >= clamp).all(), key
@@ -128,7 +128,7 @@ def test_a_fit_of_its_own_table_is_exact(fitted, refitted, name):
 @every_model
 def test_parameter_count(fitted, name):
     fit = fitted(name)
-    count = variants.model(name).parameter_count
+    count = registry.model(name).parameter_count
     assert fit.parameter_count == count(fit.grid)
     assert fit.parameter_bytes == 4 * count(fit.grid)
     if name in BYTES:
@@ -231,7 +231,7 @@ def test_black_is_black(grid, name):
 
 
 @every_model
-@pytest.mark.parametrize("solver", variants.SOLVERS)
+@pytest.mark.parametrize("solver", SOLVERS)
 def test_a_single_sample_is_met(grid, name, solver):
     """Everything else has to be filled in; nothing may divide by what is not there."""
     values = np.full((3, *grid.shape), INVALID)
@@ -311,7 +311,7 @@ def test_no_objective_is_negative(refitted, name):
 
 
 @every_solved_model
-@pytest.mark.parametrize("solver", variants.SOLVERS)
+@pytest.mark.parametrize("solver", SOLVERS)
 def test_a_run_that_meets_the_cap_says_so(table, name, solver):
     one = Table(table.values[[0, 0, 0]], table.grid)
     fit = fit_with(name, one, method=solver, max_iterations=2, tolerance=1e-12)

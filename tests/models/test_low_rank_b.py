@@ -10,13 +10,13 @@ from scipy.optimize import lsq_linear
 from npfm.datasets import neural
 from npfm.errors import NpfmError
 from npfm.fitting.objective import Objective, channel_samples, evaluate, fold
-from npfm.fitting.solvers.problem import Solver
+from npfm.fitting.solvers.choice import chosen
+from npfm.fitting.solvers.problem import SolverSettings
 from npfm.models import bivariate_g, low_rank_b
 from npfm.models.low_rank_b import Compressor, Equations
 from npfm.reflectance.table import Table
-from npfm.run import variants
 
-solve = variants.solver(Solver())
+solve = chosen(SolverSettings())
 
 
 def samples_of(table, channel=0):

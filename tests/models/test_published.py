@@ -11,10 +11,10 @@ import pytest
 
 from npfm.datasets import neural
 from npfm.datasets.parameter_files import FitFile, read
+from npfm.fitting import registry
 from npfm.fitting.objective import Objective, counted
 from npfm.reflectance.half_difference import MERL, Grid
 from npfm.reflectance.table import Table
-from npfm.run import variants
 
 #: Bias and magnitude over all samples, bias in the highlight, of the green channel: from the
 #: check that came with the files but for Cook-Torrance, whose channels had not been scaled.
@@ -42,11 +42,11 @@ def neural_table(folder, material):
 
 
 def published_table(folder, variant, material, measured):
-    file = FitFile(**variants.declared(variant).published)
+    file = FitFile(**registry.declared(variant).published)
     parameters = read(folder / "published_fits" / file.name, file)
     if material not in parameters:
         return None
-    model = variants.model(variant)
+    model = registry.model(variant)
     return model.tabulate(model.fit(measured, Objective(), None, 1, published=parameters[material]))
 
 
@@ -85,8 +85,8 @@ def test_the_channels_of_cook_torrance_are_scaled(data, channel):
 
 def test_a_published_fit_says_so_and_is_measured_as_all_are(data):
     measured = neural_table(data, "nylon")
-    model = variants.model("abc-published")
-    file = FitFile(**variants.declared("abc-published").published)
+    model = registry.model("abc-published")
+    file = FitFile(**registry.declared("abc-published").published)
     parameters = read(data / "published_fits" / file.name, file)["nylon"]
     fit = model.fit(measured, Objective(), None, 1, published=parameters)
     assert fit.model == "abc-published"

@@ -6,11 +6,11 @@ import pytest
 from npfm.fitting.factors.microfacet import G_THETA
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective, channel_samples, evaluate
-from npfm.fitting.solvers.problem import Solver
+from npfm.fitting.solvers.choice import chosen
+from npfm.fitting.solvers.problem import SolverSettings
 from npfm.models import independent_g
 from npfm.reflectance.half_difference import MERL
 from npfm.reflectance.table import Table
-from npfm.run import variants
 
 #: A metal with a mirror-like peak, and a nearly diffuse plastic.
 MATERIALS = ("alum-bronze", "nylon")
@@ -57,7 +57,7 @@ def recovery(data, name) -> list[dict]:
     """
     truth = published(data, name)
     table = independent_g.tabulate(truth)
-    fit = independent_g.fit(table, Objective(), variants.solver(Solver()), seed=1)
+    fit = independent_g.fit(table, Objective(), chosen(SolverSettings()), seed=1)
     found, rows = independent_g.tabulate(fit), []
     for channel in range(3):
         samples = channel_samples(table, channel, Objective())

@@ -5,14 +5,14 @@ import pytest
 
 from npfm.datasets import neural
 from npfm.fitting.objective import Objective, channel_samples, evaluate
-from npfm.fitting.solvers.problem import Solver
+from npfm.fitting.solvers.choice import chosen
+from npfm.fitting.solvers.problem import SolverSettings
 from npfm.models import bivariate, naive, tucker
 from npfm.reflectance.angles import directions
 from npfm.reflectance.half_difference import MERL, Grid
 from npfm.reflectance.table import Table
-from npfm.run import variants
 
-SOLVE = variants.solver(Solver(max_iterations=20))
+SOLVE = chosen(SolverSettings(max_iterations=20))
 
 
 def relative_objective(table, fitted, channel):

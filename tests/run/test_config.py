@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from npfm.errors import NpfmError
-from npfm.run import variants
+from npfm.fitting import registry
 from npfm.run.config import check
 
 ROOT = Path(__file__).parents[2]
@@ -29,7 +29,7 @@ def test_the_default_configuration_is_valid_and_needs_no_file():
     run = check(DEFAULT)
     assert run.folder == "results/default"
     assert len(run.materials) >= 12
-    assert set(PAPER) <= set(run.variants) <= set(variants.models())
+    assert set(PAPER) <= set(run.variants) <= set(registry.models())
     assert run.scenes == ("A", "B", "C", "D")
     assert not any(run.material_inputs(name) for name in run.materials)
     assert not any(run.light_inputs(light["light"]) for light in DEFAULT["scenes"].values())
@@ -54,7 +54,7 @@ def test_a_variant_may_have_settings_of_its_own():
     run = check(configured(variants=["naive", plain]))
     assert "--no-compressive" in run.variants["plain"].options
     assert "--no-compressive" not in run.variants["naive"].options
-    assert "--variant naive" in run.variants["plain"].options
+    assert "--model naive" in run.variants["plain"].options
 
 
 def test_only_models_that_have_a_rank_or_starts_are_told_them():
@@ -120,7 +120,7 @@ def test_an_absent_or_bad_published_file_is_told(tmp_path):
         ({"seeed": 1}, r"unknown key 'seeed'; did you mean seed"),
         ({"solver": {"metod": "awls"}}, r"solver: unknown key 'metod'; did you mean method"),
         ({"solver": {"method": "newton"}}, r"unknown solver 'newton'; did you mean gauss-newton"),
-        ({"variants": ["niave"]}, r"unknown variant 'niave'; did you mean naive"),
+        ({"variants": ["niave"]}, r"unknown model 'niave'; did you mean naive"),
         ({"variants": [{"name": "n", "model": "naive", "rank": 2}]}, r"n: unknown key 'rank'"),
         (
             {"variants": [{"name": "n", "model": "low-rank-b", "rank": "2"}]},

@@ -3,7 +3,8 @@ import shutil
 
 import pytest
 
-from npfm.run import provenance, variants
+from npfm.fitting import registry
+from npfm.run import provenance
 
 PACKAGE = provenance.PACKAGE
 
@@ -116,11 +117,11 @@ def test_only_models_are_imported_by_name():
         for file in PACKAGE.rglob("*.py")
         if {"__import__", "import_module", "exec", "eval"} & set(names(file))
     }
-    assert by_name == {"run/variants.py"}
-    with pytest.raises(ValueError, match=r"npfm\.run\.variants imports by name"):
+    assert by_name == {"fitting/registry.py"}
+    with pytest.raises(ValueError, match=r"npfm\.fitting\.registry imports by name"):
         provenance.digest(("npfm.commands.sources",))
 
 
 def test_every_model_can_be_digested():
-    for model in variants.models().values():
+    for model in registry.models().values():
         assert model.module in provenance.closure([model.module])

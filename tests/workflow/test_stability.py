@@ -2,7 +2,7 @@ import re
 import shutil
 from pathlib import Path
 
-from npfm.run import variants
+from npfm.fitting import registry
 
 TESTS = Path(__file__).parents[1]
 
@@ -15,5 +15,5 @@ def test_the_target_fits_every_model(project):
     run = project.snakemake("stability", "--dry-run")
     assert run.returncode == 0, run.stdout + run.stderr
     outputs = set(re.findall(r"^ +output: (.*)$", run.stdout + run.stderr, re.MULTILINE))
-    tables = {f"results/tiny/stability/{model}.csv" for model in variants.non_parametric()}
+    tables = {f"results/tiny/stability/{model}.csv" for model in registry.non_parametric()}
     assert outputs == tables | {"results/tiny/tables/stability.csv"}

@@ -1,4 +1,5 @@
-from npfm.run import variants
+from npfm.fitting import registry
+from npfm.fitting.solvers.choice import SOLVERS, chosen
 
 HARD_CASES = f"{workflow.basedir}/tests/hard_cases.py"
 STABILITY = f"{workflow.basedir}/tests/stability.py"
@@ -17,7 +18,7 @@ rule stability_fits:
     log:
         f"{OUT}/logs/stability/{{model}}.log",
     wildcard_constraints:
-        model="|".join(variants.non_parametric()),
+        model="|".join(registry.non_parametric()),
     conda:
         "../envs/npfm.yaml"
     resources:
@@ -40,7 +41,7 @@ rule stability_fits:
 
 rule stability:
     input:
-        tables=expand(rules.stability_fits.output, model=variants.non_parametric()),
+        tables=expand(rules.stability_fits.output, model=registry.non_parametric()),
         cases=HARD_CASES,
         script=STABILITY,
     output:

@@ -6,22 +6,33 @@ search, and dropped if nothing on the line is better. So the objective never ris
 """
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from npfm.fitting.fits import Trace
 from npfm.fitting.solvers.golden import golden_section
 from npfm.fitting.solvers.normal import status_at_rest
-from npfm.fitting.solvers.problem import NEGLIGIBLE, Problem, S, Solver, Update
+from npfm.fitting.solvers.problem import NEGLIGIBLE, Problem, S, SolverSettings, Update
 
 
-def solve(problem: Problem[S], starts: Mapping[str, S], settings: Solver) -> tuple[S, list[Trace]]:
-    """Run AWLS from each start; the state with the lowest objective and all traces."""
-    runs = [minimise(problem, name, start, settings) for name, start in starts.items()]
+def solve(
+    problem: Problem[S],
+    starts: Mapping[str, S],
+    settings: SolverSettings,
+    after_start: Callable[[], None] = lambda: None,
+) -> tuple[S, list[Trace]]:
+    """Run AWLS from each start; the state with the lowest objective and all traces.
+
+    `after_start` is called when the run from a start has ended.
+    """
+    runs = []
+    for name, start in starts.items():
+        runs.append(minimise(problem, name, start, settings))
+        after_start()
     runs.sort(key=lambda run: run[1].objective[-1])
     return runs[0][0], [trace for _, trace in runs]
 
 
-def minimise(problem: Problem[S], name: str, state: S, settings: Solver) -> tuple[S, Trace]:
+def minimise(problem: Problem[S], name: str, state: S, settings: SolverSettings) -> tuple[S, Trace]:
     """Run AWLS from one start.
 
     Returns

@@ -7,12 +7,12 @@ Several starts are run on thinned samples first, and only the best goes on to al
 """
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from npfm.fitting.fits import Trace
 from npfm.fitting.solvers.normal import FIRST_DAMPING, status_at_rest, system
-from npfm.fitting.solvers.problem import NEGLIGIBLE, Problem, S, Solver
+from npfm.fitting.solvers.problem import NEGLIGIBLE, Problem, S, SolverSettings
 
 #: Several starts are compared on every n-th bin of phi_d, to so many times the tolerance.
 COARSE, COARSE_TOLERANCE = 6, 10.0
@@ -25,8 +25,15 @@ EASE, TIGHTEN = 5.0, 4.0
 PATIENCE = 2
 
 
-def solve(problem: Problem[S], starts: Mapping[str, S], settings: Solver) -> tuple[S, list[Trace]]:
+def solve(
+    problem: Problem[S],
+    starts: Mapping[str, S],
+    settings: SolverSettings,
+    after_start: Callable[[], None] = lambda: None,
+) -> tuple[S, list[Trace]]:
     """Minimise from each start on thinned samples, then from the best on all of them.
+
+    `after_start` is called when the run from a start has ended.
 
     Returns
     -------
@@ -38,10 +45,10 @@ def solve(problem: Problem[S], starts: Mapping[str, S], settings: Solver) -> tup
     if coarse.energy == 0:  # so few samples that thinning leaves none
         coarse = problem
     loose = replace(settings, tolerance=COARSE_TOLERANCE * settings.tolerance)
-    runs = {
-        name: minimise(coarse, name, coarse.unpack(problem.pack(start)), loose)
-        for name, start in starts.items()
-    }
+    runs = {}
+    for name, start in starts.items():
+        runs[name] = minimise(coarse, name, coarse.unpack(problem.pack(start)), loose)
+        after_start()
     reached = {name: trace.objective[-1] for name, (_, trace) in runs.items()}
     best = next(name for name in runs if reached[name] <= min(reached.values()) + TIE)
     traces = {name: trace for name, (_, trace) in runs.items()}
@@ -51,7 +58,7 @@ def solve(problem: Problem[S], starts: Mapping[str, S], settings: Solver) -> tup
 
 
 def minimise(
-    problem: Problem[S], name: str, state: S, settings: Solver, earlier: Trace | None = None
+    problem: Problem[S], name: str, state: S, settings: SolverSettings, earlier: Trace | None = None
 ) -> tuple[S, Trace]:
     """Run from one start.
 

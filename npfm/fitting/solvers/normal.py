@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
-from npfm.fitting.solvers.problem import NEGLIGIBLE, Problem, S, Solver
+from npfm.fitting.solvers.problem import NEGLIGIBLE, Problem, S, SolverSettings
 
 #: Longest step of a logarithm: a factor changes by at most e^3, about 20, at a time.
 LONGEST_STEP = 3.0
@@ -77,7 +77,7 @@ def _solved(matrix: NDArray, gradient: NDArray, damping: float) -> NDArray:
     return np.clip(step, -LONGEST_STEP, LONGEST_STEP)
 
 
-def status_at_rest(problem: Problem[S], state: S, current: float, settings: Solver) -> str:
+def status_at_rest(problem: Problem[S], state: S, current: float, settings: SolverSettings) -> str:
     """Status of a run that finds nothing lower than a state.
 
     ``stalled`` if the quadratic model of the objective promises a decrease that would have kept

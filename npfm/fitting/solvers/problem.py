@@ -67,7 +67,7 @@ class Problem(Protocol[S]):
 
 
 @dataclass(frozen=True)
-class Solver:
+class SolverSettings:
     """How to minimise.
 
     Parameters
@@ -98,8 +98,8 @@ class Solver:
             raise NpfmError(f"{self.max_iterations} iterations fit nothing; give 1 or more")
 
 
-class Solve(Protocol):
-    """A solver with its settings: runs every start and returns the best state."""
+class Solver(Protocol):
+    """Runs every start and returns the best state, its settings applied."""
 
     def __call__(self, problem: Problem[S], starts: Mapping[str, S]) -> tuple[S, list[Trace]]:
         """Minimise `problem` from each of the named `starts`."""

@@ -11,7 +11,8 @@ from npfm.fitting.factors.microfacet import G_NODES, G_THETA, elevations, kernel
 from npfm.fitting.factors.problem import Factors, State
 from npfm.fitting.factors.smith import masking_shadowing
 from npfm.fitting.objective import Objective, channel_samples, evaluate, fold
-from npfm.fitting.solvers.problem import Solver
+from npfm.fitting.solvers.choice import chosen
+from npfm.fitting.solvers.problem import SolverSettings
 from npfm.models import g_from_d
 from npfm.models.g_from_d import GFromDProblem
 from npfm.models.independent_g import IndependentGProblem
@@ -19,7 +20,6 @@ from npfm.models.naive import NaiveProblem
 from npfm.reflectance.angles import directions
 from npfm.reflectance.half_difference import MERL, Grid
 from npfm.reflectance.table import Table
-from npfm.run import variants
 
 
 def microfacet(grid, D, F, G, rho_d, rho_s):
@@ -293,7 +293,7 @@ def test_g_from_d_finds_the_tail_of_a_mirror():
     thin = Table(np.ascontiguousarray(mirror.values[:, 1::3, 1::3, 1::3]), Grid(30, 30, 60))
     samples = fold(channel_samples(thin, 0, Objective()))
     reached = {
-        count: g_from_d.fit_samples(samples, variants.solver(Solver()), starts=count)[1][0]
+        count: g_from_d.fit_samples(samples, chosen(SolverSettings()), starts=count)[1][0]
         for count in (1, 2)
     }
     assert reached[1].objective[-1] > 0.02

@@ -1,9 +1,10 @@
-"""Models and solvers by name. Each is imported when it is asked for.
+"""Models by name. Each is imported when it is asked for.
 
 A model is a file under `npfm/models` that has a constant NAME; there is no other list of models.
 What the file declares is read from its syntax, so that nothing is imported only to check a
-configuration. `npfm.run.provenance` refuses to digest this module: whoever runs a model names the
-model's own module as an entry.
+configuration. This is the one place that imports by a name which is only known when it runs:
+`npfm.run.provenance` refuses to digest it, so whoever runs a model names the model's own module
+as an entry.
 """
 
 import ast
@@ -11,16 +12,14 @@ import importlib
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from npfm.errors import NpfmError, suggest
-from npfm.fitting.solvers.problem import Solve, Solver
 
 FOLDER = Path(__file__).parents[1] / "models"
-SOLVERS = ("gauss-newton", "awls")
 NAME_PATTERN = "[A-Za-z0-9][A-Za-z0-9._-]*"
 #: What the module of a model has to have.
 INTERFACE = ("fit", "tabulate", "parameter_count")
@@ -71,6 +70,19 @@ class Model:
     shared: tuple[str, ...] = ()
     scale_free: bool = True
     published: Mapping[str, Any] = field(default_factory=dict)
+
+    def load(self) -> ModuleType:
+        """Import the model: its `fit`, `tabulate` and `parameter_count`.
+
+        Raises
+        ------
+        NpfmError
+            If its file lacks one of the three.
+        """
+        module = importlib.import_module(self.module)
+        if missing := [function for function in INTERFACE if not hasattr(module, function)]:
+            raise NpfmError(f"{module.__file__}: no function '{missing[0]}'; every model needs one")
+        return module
 
 
 @cache
@@ -132,39 +144,16 @@ def declared(name: str) -> Model:
         If there is no model of that name.
     """
     if name not in models():
-        raise NpfmError(f"unknown variant '{name}'; {suggest(name, models())}")
+        raise NpfmError(f"unknown model '{name}'; {suggest(name, models())}")
     return models()[name]
 
 
 def model(name: str) -> ModuleType:
-    """Return the module of a model: `fit`, `tabulate` and `parameter_count`.
+    """Return the module of the model of that name: `fit`, `tabulate` and `parameter_count`.
 
     Raises
     ------
     NpfmError
         If there is no model of that name, or its file lacks one of the three.
     """
-    module = importlib.import_module(declared(name).module)
-    if missing := [function for function in INTERFACE if not hasattr(module, function)]:
-        raise NpfmError(f"{module.__file__}: no function '{missing[0]}'; every model needs one")
-    return module
-
-
-def solver(settings: Solver) -> Solve:
-    """Return the solver that the settings name, with the settings applied.
-
-    Raises
-    ------
-    NpfmError
-        If there is no solver of that name.
-    """
-    match settings.method:
-        case "gauss-newton":
-            from npfm.fitting.solvers import gauss_newton as module
-        case "awls":
-            from npfm.fitting.solvers import awls as module
-        case _:
-            raise NpfmError(
-                f"unknown solver '{settings.method}'; {suggest(settings.method, SOLVERS)}"
-            )
-    return partial(module.solve, settings=settings)
+    return declared(name).load()

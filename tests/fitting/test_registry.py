@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from npfm.errors import NpfmError
-from npfm.run import variants
+from npfm.fitting import registry
 
 ROOT = Path(__file__).parents[2]
 PAPER = {"bivariate", "independent-g", "g-from-d", "naive"}
@@ -16,27 +16,27 @@ PAPER = {"bivariate", "independent-g", "g-from-d", "naive"}
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """An empty folder in place of npfm/models."""
-    monkeypatch.setattr(variants, "FOLDER", tmp_path)
-    variants.models.cache_clear()
+    monkeypatch.setattr(registry, "FOLDER", tmp_path)
+    registry.models.cache_clear()
     yield tmp_path
-    variants.models.cache_clear()
+    registry.models.cache_clear()
 
 
 def test_a_file_with_a_name_is_a_model(folder):
     (folder / "mine.py").write_text('NAME = "my-own"\nSETTINGS = {"lobes": "how many"}\n')
     (folder / "helper.py").write_text("RECIPROCAL = False\n")
-    assert variants.models() == {
-        "my-own": variants.Model("npfm.models.mine", settings={"lobes": "how many"})
+    assert registry.models() == {
+        "my-own": registry.Model("npfm.models.mine", settings={"lobes": "how many"})
     }
 
 
 def test_what_is_declared_is_what_the_modules_say():
-    assert set(variants.models()) >= PAPER
-    for name, declared in variants.models().items():
-        module = variants.model(name)
+    assert set(registry.models()) >= PAPER
+    for name, declared in registry.models().items():
+        module = registry.model(name)
         assert (module.NAME, module.__name__) == (name, declared.module)
         for key in ("coefficients", "signed", "reciprocal", "solver", "objective", "settings"):
-            default = variants.Model.__dataclass_fields__[key].default
+            default = registry.Model.__dataclass_fields__[key].default
             if hasattr(module, key.upper()):
                 assert getattr(declared, key) == getattr(module, key.upper())
             elif key != "settings":
@@ -57,21 +57,21 @@ def test_a_mistake_in_a_file_names_the_file_in_one_line(folder, text, said):
     (folder / "mine.py").write_text(text)
     (folder / "other.py").write_text('NAME = "theirs"\n')
     with pytest.raises(NpfmError) as caught:
-        variants.models()
+        registry.models()
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
 def test_a_model_without_its_functions_is_refused(monkeypatch):
-    declared = {"smith": variants.Model("npfm.fitting.factors.smith")}
-    monkeypatch.setattr(variants, "models", lambda: declared)
+    declared = {"smith": registry.Model("npfm.fitting.factors.smith")}
+    monkeypatch.setattr(registry, "models", lambda: declared)
     with pytest.raises(NpfmError, match=r"smith\.py: no function 'fit'"):
-        variants.model("smith")
+        registry.model("smith")
 
 
 def test_unknown_names_are_answered_with_near_ones():
-    with pytest.raises(NpfmError, match="unknown variant 'niave'; did you mean naive"):
-        variants.declared("niave")
+    with pytest.raises(NpfmError, match="unknown model 'niave'; did you mean naive"):
+        registry.declared("niave")
 
 
 def test_checking_a_configuration_imports_no_model():

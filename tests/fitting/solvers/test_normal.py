@@ -8,7 +8,7 @@ import pytest
 from npfm.errors import NpfmError
 from npfm.fitting.solvers import awls, gauss_newton
 from npfm.fitting.solvers.normal import system
-from npfm.fitting.solvers.problem import Solver
+from npfm.fitting.solvers.problem import SolverSettings
 
 
 @dataclass
@@ -52,7 +52,7 @@ class Flat:
 @pytest.mark.parametrize(("slope", "status"), [(0.1, "stalled"), (1e-3, "converged")])
 def test_a_run_has_stalled_if_its_derivative_promises_more(solver, slope, status):
     """The step promises a decrease of slope^2, the tolerance asks for 5e-6."""
-    _, (trace,) = solver.solve(Flat(slope), {"start": np.zeros(2)}, Solver())
+    _, (trace,) = solver.solve(Flat(slope), {"start": np.zeros(2)}, SolverSettings())
     assert trace.status == status
 
 
@@ -70,9 +70,9 @@ def test_what_is_at_the_clamp_moves_with_the_largest_of_its_factor():
 @pytest.mark.parametrize("tolerance", [0.0, -1e-5, float("nan"), float("inf")])
 def test_a_tolerance_that_stops_no_run_is_refused(tolerance):
     with pytest.raises(NpfmError, match="tolerance"):
-        Solver(tolerance=tolerance)
+        SolverSettings(tolerance=tolerance)
 
 
 def test_no_iterations_are_refused():
     with pytest.raises(NpfmError, match="0 iterations"):
-        Solver(max_iterations=0)
+        SolverSettings(max_iterations=0)

@@ -10,7 +10,7 @@ from npfm.fitting.factors.slices import factors_of_slices
 from npfm.fitting.factors.smith import masking_shadowing
 from npfm.fitting.objective import Objective, channel_samples, fold
 from npfm.fitting.solvers import awls, gauss_newton
-from npfm.fitting.solvers.problem import Solver
+from npfm.fitting.solvers.problem import SolverSettings
 from npfm.models.g_from_d import GFromDProblem
 from npfm.models.independent_g import IndependentGProblem
 from npfm.models.naive import NaiveProblem
@@ -20,7 +20,7 @@ from npfm.reflectance.table import Table
 PROBLEMS = pytest.mark.parametrize(
     "kind", [IndependentGProblem, GFromDProblem, NaiveProblem], ids=lambda kind: kind.__name__
 )
-TIGHT = Solver(tolerance=1e-10)
+TIGHT = SolverSettings(tolerance=1e-10)
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,7 @@ def started(kind, samples):
 @PROBLEMS
 def test_the_objective_never_rises(table, kind):
     problem, start = started(kind, channel_samples(table, 1, Objective()))
-    state, trace = gauss_newton.minimise(problem, "slices", start, Solver(max_iterations=4))
+    state, trace = gauss_newton.minimise(problem, "slices", start, SolverSettings(max_iterations=4))
     assert (np.diff(trace.objective) < 0).all()
     assert trace.objective[-1] < 0.9 * trace.objective[0]
     assert trace.objective[-1] == pytest.approx(problem.objective(state) / problem.energy)
@@ -61,7 +61,7 @@ def test_every_accepted_step_is_downhill_to_the_end(samples, kind):
     """From far away, and down to where only rounding is left to gain."""
     problem, near = started(kind, samples)
     start = problem.unpack(np.random.default_rng(6).uniform(-6, 0, problem.pack(near).size))
-    _, trace = gauss_newton.minimise(problem, "random", start, Solver(tolerance=1e-15))
+    _, trace = gauss_newton.minimise(problem, "random", start, SolverSettings(tolerance=1e-15))
     assert trace.iterations > 10
     assert (np.diff(trace.objective) < 0).all()
 
@@ -120,11 +120,11 @@ def test_scipy_reaches_the_same_minimum_from_the_same_start(samples, kind):
 def test_awls_does_not_get_below(samples, kind):
     """By more than a thousandth, with as many iterations as it likes."""
     problem, start = started(kind, samples)
-    state, _ = gauss_newton.minimise(problem, "slices", start, Solver())
-    slow, trace = awls.minimise(problem, "slices", start, Solver("awls", 1e-9, 3000))
+    state, _ = gauss_newton.minimise(problem, "slices", start, SolverSettings())
+    slow, trace = awls.minimise(problem, "slices", start, SolverSettings("awls", 1e-9, 3000))
     assert trace.iterations > 20
     assert problem.objective(slow) > 0.999 * problem.objective(state)
-    further, _ = awls.minimise(problem, "there", state, Solver("awls", 1e-9, 300))
+    further, _ = awls.minimise(problem, "there", state, SolverSettings("awls", 1e-9, 300))
     assert problem.objective(further) > 0.999 * problem.objective(state)
 
 
@@ -148,7 +148,7 @@ def test_a_factor_that_should_vanish_ends_at_its_bound():
     samples = fold(channel_samples(Table(value * np.ones((3, 1, 1, 1)), grid), 0, Objective()))
     problem = IndependentGProblem(samples)
     start = problem.state(np.ones(18), np.ones(18), np.ones(G_THETA.size))
-    state, trace = gauss_newton.minimise(problem, "ones", start, Solver(tolerance=1e-8))
+    state, trace = gauss_newton.minimise(problem, "ones", start, SolverSettings(tolerance=1e-8))
     empty = (ring == 0) & problem.seen[0]
     assert empty.any()
     np.testing.assert_allclose(state.factors.D[empty], problem.clamp, rtol=1e-6)
@@ -159,7 +159,7 @@ def test_only_the_best_start_goes_on_to_all_samples(samples):
     problem, good = started(IndependentGProblem, samples)
     rng = np.random.default_rng(4)
     poor = problem.state(rng.random(10), rng.random(10), rng.random(G_THETA.size))
-    settings = Solver(max_iterations=3)
+    settings = SolverSettings(max_iterations=3)
     state, traces = gauss_newton.solve(problem, {"poor": poor, "good": good}, settings)
     assert {trace.start for trace in traces} == {"poor", "good"}
     reached = problem.objective(state) / problem.energy
@@ -172,5 +172,5 @@ def test_nothing_to_fit_ends_at_once():
     black = np.where(grid.above_horizon, 0.0, -1.0) * np.ones((3, 1, 1, 1))
     problem = NaiveProblem(channel_samples(Table(black, grid), 0, Objective()))
     start = problem.state(np.ones(10), np.ones(10), np.ones(20))
-    _, trace = gauss_newton.minimise(problem, "ones", start, Solver())
+    _, trace = gauss_newton.minimise(problem, "ones", start, SolverSettings())
     assert (trace.status, trace.iterations, trace.objective) == ("converged", 0, (0.0,))

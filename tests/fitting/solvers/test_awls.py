@@ -10,7 +10,7 @@ from npfm.fitting.factors.problem import FactorProblem
 from npfm.fitting.factors.slices import factors_of_slices
 from npfm.fitting.objective import Objective, channel_samples, fold
 from npfm.fitting.solvers import awls
-from npfm.fitting.solvers.problem import Solver
+from npfm.fitting.solvers.problem import SolverSettings
 from npfm.models.g_from_d import GFromDProblem
 from npfm.models.independent_g import IndependentGProblem
 from npfm.models.naive import NaiveProblem
@@ -70,7 +70,7 @@ def test_the_objective_never_rises(samples, kind):
     """Neither from iteration to iteration nor from update to update."""
     problem, start = started(kind, samples)
     watched = Watched(problem)
-    state, trace = awls.minimise(watched, "slices", start, Solver(max_iterations=6))
+    state, trace = awls.minimise(watched, "slices", start, SolverSettings(max_iterations=6))
     # Sums that a normalisation scales are rounded; nothing else may raise the objective.
     assert (np.diff(watched.accepted) <= 1e-12 * np.array(watched.accepted[1:])).all()
     assert (np.diff(trace.objective) <= 0).all()
@@ -82,7 +82,9 @@ def test_the_objective_never_rises(samples, kind):
 @PROBLEMS
 def test_a_capped_run_says_so(samples, kind):
     problem, start = started(kind, samples, seed=4)
-    _, trace = awls.minimise(problem, "random", start, Solver(max_iterations=2, tolerance=1e-12))
+    _, trace = awls.minimise(
+        problem, "random", start, SolverSettings(max_iterations=2, tolerance=1e-12)
+    )
     assert trace.status == "iteration cap"
     assert trace.iterations == 2
     assert len(trace.objective) == len(trace.seconds) == 3
@@ -93,7 +95,7 @@ def test_a_capped_run_says_so(samples, kind):
 @PROBLEMS
 def test_a_loose_tolerance_converges(samples, kind):
     problem, start = started(kind, samples)
-    _, trace = awls.minimise(problem, "slices", start, Solver(tolerance=0.5))
+    _, trace = awls.minimise(problem, "slices", start, SolverSettings(tolerance=0.5))
     assert trace.status == "converged"
     # One iteration that halves the objective at most follows on those that did better.
     assert trace.objective[-1] > 0.5 * trace.objective[-2]
@@ -127,7 +129,7 @@ class Valley:
 
 
 def test_golden_section_saves_an_update_that_overshoots():
-    x, trace = awls.minimise(Valley(), "0", 0.0, Solver(tolerance=1e-3))
+    x, trace = awls.minimise(Valley(), "0", 0.0, SolverSettings(tolerance=1e-3))
     assert trace.gss_calls >= 1
     assert x == pytest.approx(1, abs=0.02)
     assert trace.objective[0] == 0.5
@@ -136,7 +138,7 @@ def test_golden_section_saves_an_update_that_overshoots():
 
 
 def test_an_update_that_leads_uphill_only_is_dropped():
-    x, trace = awls.minimise(Valley(), "1", 1.0, Solver())
+    x, trace = awls.minimise(Valley(), "1", 1.0, SolverSettings())
     assert x == pytest.approx(1, abs=1e-6)
     assert trace.gss_calls >= 1
     assert trace.status == "converged"
@@ -146,7 +148,7 @@ def test_golden_section_is_called_on_a_measured_material(data):
     """Solving for D while its G stays overshoots on a mirror: section 4.3's own case."""
     table = neural.load(data / "merl_nbrdf.zip", "chrome")
     problem, start = started(GFromDProblem, channel_samples(table, 1, Objective()), seed=2)
-    _, trace = awls.minimise(problem, "random", start, Solver(max_iterations=8))
+    _, trace = awls.minimise(problem, "random", start, SolverSettings(max_iterations=8))
     assert trace.gss_calls > 0
     assert (np.diff(trace.objective) <= 0).all()
 
@@ -154,7 +156,7 @@ def test_golden_section_is_called_on_a_measured_material(data):
 def test_the_best_start_is_kept(samples):
     problem, slices = started(NaiveProblem, samples)
     _, poor = started(NaiveProblem, samples, seed=4)
-    settings = Solver(max_iterations=2)
+    settings = SolverSettings(max_iterations=2)
     state, traces = awls.solve(problem, {"poor": poor, "slices": slices}, settings)
     assert {trace.start for trace in traces} == {"poor", "slices"}
     best = min(trace.objective[-1] for trace in traces)
@@ -165,7 +167,7 @@ def test_nothing_to_fit_ends_at_once(samples):
     black = replace(fold(samples), value=np.zeros_like(fold(samples).value), floor=0.0)
     problem = IndependentGProblem(black)
     start = problem.state(np.ones(90), np.ones(90), np.ones(90))
-    state, trace = awls.minimise(problem, "ones", start, Solver())
+    state, trace = awls.minimise(problem, "ones", start, SolverSettings())
     assert trace.status == "converged"
     assert set(trace.objective) == {0.0}
     assert state.factors.rho_d == state.factors.rho_s == 0

@@ -1,0 +1,35 @@
+"""Solvers by name. Each is imported when it is asked for."""
+
+from collections.abc import Callable
+from functools import partial
+
+from npfm.errors import NpfmError, suggest
+from npfm.fitting.solvers.problem import Solver, SolverSettings
+
+SOLVERS = ("gauss-newton", "awls")
+
+
+def chosen(settings: SolverSettings, after_start: Callable[[], None] = lambda: None) -> Solver:
+    """Return the solver that the settings name, with the settings applied.
+
+    Parameters
+    ----------
+    settings : SolverSettings
+    after_start : callable, optional
+        Called whenever a run from a start has ended.
+
+    Raises
+    ------
+    NpfmError
+        If there is no solver of that name.
+    """
+    match settings.method:
+        case "gauss-newton":
+            from npfm.fitting.solvers import gauss_newton as module
+        case "awls":
+            from npfm.fitting.solvers import awls as module
+        case _:
+            raise NpfmError(
+                f"unknown solver '{settings.method}'; {suggest(settings.method, SOLVERS)}"
+            )
+    return partial(module.solve, settings=settings, after_start=after_start)
