@@ -33,6 +33,9 @@ class Trace:
         At the start and after each iteration: processor time since the start, which other work
         on the machine does not lengthen, and the objective as a
         share of that of the zero model.
+    compared : float, optional
+        Where the starts were compared on fewer samples than this run ended on: its objective
+        there, as a share of that of the zero model.
     """
 
     start: str
@@ -41,6 +44,12 @@ class Trace:
     gss_calls: int
     seconds: tuple[float, ...]
     objective: tuple[float, ...]
+    compared: float | None = None
+
+    @property
+    def end(self) -> float:
+        """Objective that is compared with those of the other starts."""
+        return self.objective[-1] if self.compared is None else self.compared
 
 
 @dataclass(frozen=True)

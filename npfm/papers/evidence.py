@@ -8,6 +8,7 @@ import pandas as pd
 
 from npfm.evaluation.head_to_head import renderings
 from npfm.fitting.fits import load_record
+from npfm.fitting.solvers.problem import NEGLIGIBLE
 
 #: Under what names a run may have a model of the paper; the authors' own fits before ours.
 NAMES = {
@@ -100,13 +101,15 @@ def starts(run: str, materials: Sequence[str]) -> pd.DataFrame:
     -------
     DataFrame
         Columns material, channel, spread: how much greater the objective of the worst start is
-        than that of the best, as a share of the latter. The winner is left out where it alone
-        was fitted to all samples.
+        than that of the best, as a share of the latter, on the samples that all of them were
+        compared on. Where nothing is left of the objective, as in a black channel, the share is
+        of the least that counts as an objective at all.
     """
     rows = []
     for material in materials:
         for channel in load_record(f"{run}/fits/independent-g/{material}.npz")["channels"]:
-            ends = [t.objective[-1] for t in channel.traces if t.start != channel.best_start]
+            ends = [trace.end for trace in channel.traces]
             if len(ends) > 1:
-                rows.append((material, channel.channel, float(np.ptp(ends)) / min(ends)))
+                spread = float(np.ptp(ends)) / max(min(ends), NEGLIGIBLE)
+                rows.append((material, channel.channel, spread))
     return pd.DataFrame(rows, columns=["material", "channel", "spread"])

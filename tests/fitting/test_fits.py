@@ -15,7 +15,7 @@ from npfm.reflectance.half_difference import Grid
 @pytest.fixture
 def fit():
     slow = Trace("ones", "iteration cap", 3, 1, (0.0, 0.5, 0.9, 1.5), (1.0, 0.5, 0.25, 0.2))
-    fast = Trace("slices", "converged", 1, 0, (0.0, 0.25), (0.75, 0.125))
+    fast = Trace("slices", "converged", 1, 0, (0.0, 0.25), (0.75, 0.125), compared=0.13)
     records = tuple(
         ChannelRecord(name, 2.0, "slices", 0.125, 0.0625, "converged", (slow, fast))
         for name in ("red", "green", "blue")

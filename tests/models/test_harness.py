@@ -153,9 +153,12 @@ def test_permuted_channels_give_permuted_fits(table, fitted, name):
     order = [2, 0, 1]
     permuted = fit_with(name, Table(table.values[order], table.grid))
     if MODELS[name].shared:
-        # The channels are summed in another order, and a run ends a little elsewhere.
+        # The channels are summed in another order, and in a flat valley a run ends elsewhere.
         found, expected = tabulate(permuted).values, tabulate(fitted(name)).values[order]
-        np.testing.assert_allclose(found, expected, rtol=0.02)
+        np.testing.assert_allclose(found, expected, rtol=0.1)
+        for record, channel in zip(permuted.records, order, strict=True):
+            before = fitted(name).records[channel].objective
+            assert record.objective == pytest.approx(before, rel=2e-3)
         return
     for key, array in fitted(name).parameters.items():
         assert np.array_equal(permuted.parameters[key], array[order]), key

@@ -1,5 +1,6 @@
 import itertools
 import re
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -26,6 +27,12 @@ def record(channel, ends):
     return ChannelRecord(channel, 1.0, best, min(ends), 0.0, "converged", traces)
 
 
+def save_record(folder, material, *records):
+    (folder / "fits" / "independent-g").mkdir(parents=True, exist_ok=True)
+    fit = Fit("independent-g", {"D": np.ones(3, dtype=np.float32)}, MERL, records)
+    fits.save(folder / "fits" / "independent-g" / f"{material}.npz", fit)
+
+
 @pytest.fixture
 def run(tmp_path):
     folder = tmp_path / "results" / "tiny"
@@ -36,10 +43,7 @@ def run(tmp_path):
             write_png(folder / "renders" / scene / material / f"{variant}.png", picture)
         rows += [(scene, material, variant, 50.0) for variant in VARIANTS]
     for material in MATERIALS:
-        (folder / "fits" / "independent-g").mkdir(parents=True, exist_ok=True)
-        records = tuple(record(c, ends) for c, ends in (("red", [0.1, 0.2, 0.21]), ("blue", [1.0])))
-        fit = Fit("independent-g", {"D": np.ones(3, dtype=np.float32)}, MERL, records)
-        fits.save(folder / "fits" / "independent-g" / f"{material}.npz", fit)
+        save_record(folder, material, record("red", [0.1, 0.2, 0.21]), record("blue", [1.0]))
     (folder / "tables").mkdir()
     psnr = pd.DataFrame(rows, columns=["scene", "material", "variant", "psnr_db"])
     tables.write(folder / "tables" / "psnr.csv", psnr)
@@ -59,10 +63,31 @@ def call(run, *more):
     return output.read_text()
 
 
-def test_starts_are_compared_without_the_one_that_saw_more_samples(run):
-    table = starts(run, MATERIALS)
-    assert table["channel"].tolist() == ["red", "red"]
-    assert table["spread"].tolist() == pytest.approx([0.05, 0.05])
+@pytest.mark.parametrize(
+    ("ends", "spread"),
+    [
+        ([0.010, 0.030, 0.0301], 2.01),  # the two that lost agree with each other only
+        ([0.3, 0.2, 0.21], 0.5),
+        ([0.0, 0.0, 0.0], 0.0),  # a black channel
+        ([0.0, 1e-17, 1e-15], 0.001),  # met but for rounding
+        ([0.0, 0.1], 1e11),
+    ],
+)
+def test_the_spread_of_starts_is_that_of_all_of_them(tmp_path, ends, spread):
+    save_record(tmp_path, "chrome", record("red", ends))
+    table = starts(str(tmp_path), ["chrome"])
+    assert table["spread"].tolist() == pytest.approx([spread])
+
+
+def test_a_start_that_saw_more_samples_is_compared_on_those_that_all_saw(tmp_path):
+    channel = record("red", [0.1, 0.2, 0.21])
+    winner = replace(channel.traces[0], compared=0.19)
+    save_record(tmp_path, "chrome", replace(channel, traces=(winner, *channel.traces[1:])))
+    assert starts(str(tmp_path), ["chrome"])["spread"].tolist() == pytest.approx([0.02 / 0.19])
+
+
+def test_a_single_start_agrees_with_none(run):
+    assert starts(run, MATERIALS)["channel"].tolist() == ["red", "red"]
 
 
 def test_every_claim_stands_on_the_page_with_its_verdict(run):

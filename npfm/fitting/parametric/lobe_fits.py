@@ -16,10 +16,11 @@ from npfm.fitting.parametric.lobes import NORMAL, Directions, Form, recorded
 from npfm.fitting.solvers.problem import NEGLIGIBLE
 from npfm.reflectance.table import CHANNELS, Table
 
-#: About so many samples are kept by thinning phi_d for the comparison of starts.
+#: About so many samples are kept for the comparison of starts.
 COARSE = 3_000
 FINE_EVALUATIONS, COARSE_EVALUATIONS = 300, 20
 TOLERANCE = 1e-5  # smallest share by which an iteration must lower the sum, or move the unknowns
+GOLDEN_RATIO = (1 + 5**0.5) / 2
 STEP = 1e-7  # of the differences that the derivatives of a lobe are taken from
 
 
@@ -192,17 +193,17 @@ def _trace(name: str, problem: _Problem, results: Sequence[OptimizeResult], bega
 
 
 def _thinned(goal: Goal, count: int) -> NDArray[np.int64]:
-    """Flat indices of about so many samples; of all, if some channel would be left with none."""
-    grid = goal.grid
-    counts = (goal.weight > 0).reshape(len(goal.scale), *grid.shape)
-    any_channel = counts.any(0)
-    every = max(1, int(any_channel.sum()) // count)
-    kept = np.zeros(grid.shape, dtype=bool)
-    kept[..., every // 2 :: every] = True
-    kept &= any_channel
-    if not (counts & kept).any((1, 2, 3)).all():
-        kept = any_channel
-    return np.flatnonzero(kept)
+    """Flat indices of about so many samples; of all, if some channel would be left with none.
+
+    Every n-th bin of phi_d in each row of a theta_h and a theta_d, n being any number, and from
+    row to row later by the golden ratio of n. So every bin of every angle has its share.
+    """
+    counts = (goal.weight > 0).reshape(len(goal.scale), -1)
+    every = np.flatnonzero(counts.any(0))
+    share = min(1.0, count / max(1, every.size))
+    row, phi_d = np.divmod(every, goal.grid.phi_d_bins)
+    kept = every[(phi_d * share + row * GOLDEN_RATIO) % 1 < share]
+    return kept if counts[:, kept].any(1).all() else every
 
 
 def _parameters(problem: _Problem, x: NDArray) -> dict[str, NDArray]:

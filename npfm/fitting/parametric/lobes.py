@@ -78,7 +78,7 @@ class Form:
     shared : bool
         Whether the channels have one shape together.
     samples : int
-        About so many are fitted to, by thinning phi_d, of which lobes depend smoothly.
+        About so many are fitted to, taken evenly from all three angles.
     """
 
     lobe: Callable[[Shape, Directions], NDArray]

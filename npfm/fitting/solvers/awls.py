@@ -58,7 +58,8 @@ def minimise(problem: Problem[S], name: str, state: S, settings: SolverSettings)
             decrease = objectives[-1] - current
             objectives.append(current)
             seconds.append(time.process_time() - began)
-    if status == "converged" and decrease == 0:
+    # Less is rounding: whether it comes out as 0 depends on the machine.
+    if status == "converged" and decrease <= NEGLIGIBLE * problem.energy:
         status = status_at_rest(problem, state, objectives[-1], settings)
     relative = tuple(value / problem.energy if problem.energy else 0.0 for value in objectives)
     trace = Trace(name, status, len(objectives) - 1, gss_calls, tuple(seconds), relative)

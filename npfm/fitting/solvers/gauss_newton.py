@@ -39,7 +39,7 @@ def solve(
     -------
     state, traces
         The trace of the start that went on is that of its second run, the time of the first
-        included; the others' are those of their runs on thinned samples.
+        included, and where that one ended; the others' are those of their runs on thinned samples.
     """
     coarse = problem.thinned(COARSE)
     if coarse.energy == 0:  # so few samples that thinning leaves none
@@ -53,8 +53,8 @@ def solve(
     best = next(name for name in runs if reached[name] <= min(reached.values()) + TIE)
     traces = {name: trace for name, (_, trace) in runs.items()}
     state = problem.unpack(coarse.pack(runs[best][0]))
-    state, traces[best] = minimise(problem, best, state, settings, traces[best])
-    return state, [traces.pop(best), *traces.values()]
+    state, trace = minimise(problem, best, state, settings, traces.pop(best))
+    return state, [replace(trace, compared=reached[best]), *traces.values()]
 
 
 def minimise(

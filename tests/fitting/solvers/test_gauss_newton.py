@@ -167,6 +167,25 @@ def test_only_the_best_start_goes_on_to_all_samples(samples):
     assert {trace.status for trace in traces} == {"iteration cap"}
 
 
+def test_the_start_that_goes_on_says_where_it_was_when_it_was_chosen(samples):
+    """Where it stood on the samples that all starts were compared on."""
+    problem, good = started(IndependentGProblem, samples)
+    rng = np.random.default_rng(4)
+    poor = problem.state(rng.random(10), rng.random(10), rng.random(G_THETA.size))
+    settings = Solver(tolerance=1e-5)
+    _, (winner, loser) = gauss_newton.solve(problem, {"poor": poor, "good": good}, settings)
+    starts = {"poor": poor, "good": good}
+    loose = Solver(tolerance=gauss_newton.COARSE_TOLERANCE * settings.tolerance)
+    thinned = problem.thinned(gauss_newton.COARSE)
+    for trace in (winner, loser):
+        start = thinned.unpack(problem.pack(starts[trace.start]))
+        _, alone = gauss_newton.minimise(thinned, trace.start, start, loose)
+        assert trace.end == alone.objective[-1]
+    assert winner.end <= loser.end + gauss_newton.TIE
+    assert loser.end == loser.objective[-1]
+    assert winner.end != winner.objective[-1]
+
+
 def test_nothing_to_fit_ends_at_once():
     grid = Grid(10, 10, 20)
     black = np.where(grid.above_horizon, 0.0, -1.0) * np.ones((3, 1, 1, 1))

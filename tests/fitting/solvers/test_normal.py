@@ -56,6 +56,16 @@ def test_a_run_has_stalled_if_its_derivative_promises_more(solver, slope, status
     assert trace.status == status
 
 
+@pytest.mark.parametrize(("slope", "status"), [(0.1, "stalled"), (1e-3, "converged")])
+def test_rounding_is_no_progress(slope, status):
+    """Machines round differently: where one finds nothing lower another gains a last digit."""
+    problem = Flat(slope)
+    problem.objective = lambda state: 0.5 - 1e-16 * state[0]
+    _, (trace,) = awls.solve(problem, {"start": np.zeros(2)}, Solver())
+    assert trace.objective[-1] < 0.5
+    assert trace.status == status
+
+
 def test_what_is_at_the_clamp_moves_with_the_largest_of_its_factor():
     problem = Flat(0.0)
     problem.normal_equations = lambda state: (np.array([1.0, 3.0, 0.0]), np.eye(3))

@@ -1,0 +1,50 @@
+"""Fits of lobes from several starts."""
+
+import numpy as np
+import pytest
+
+from npfm.datasets import synthetic
+from npfm.fitting.objective import Objective
+from npfm.fitting.parametric.author_metrics import Goal
+from npfm.fitting.parametric.lobe_fits import COARSE, _thinned
+from npfm.reflectance.half_difference import Grid
+from npfm.run import variants
+
+
+def goal(weight, grid):
+    return Goal(weight, np.ones_like(weight), np.ones(len(weight)), False, grid)
+
+
+@pytest.mark.parametrize("bins", [(90, 90, 180), (18, 18, 36)])
+def test_the_samples_that_starts_are_compared_on_are_a_fair_part(bins):
+    """Each bin of each angle has the share of them that it has of all samples."""
+    grid = Grid(*bins)
+    counts = grid.above_horizon
+    kept = np.zeros(grid.shape, dtype=bool)
+    kept.flat[_thinned(goal(counts[None], grid), COARSE)] = True
+    assert kept.sum() == pytest.approx(COARSE, rel=0.01)
+    assert not (kept & ~counts).any()
+    for others in ((1, 2), (0, 2), (0, 1)):
+        expected = kept.sum() * counts.sum(others) / counts.sum()
+        # Of independent draws some would be further off than three times the root.
+        assert (np.abs(kept.sum(others) - expected) <= 2 * np.sqrt(expected)).all()
+
+
+def test_few_samples_are_all_kept(grid):
+    weight = np.zeros((3, *grid.shape))
+    weight[:, 3, 4, 5:9] = 1.0
+    assert _thinned(goal(weight, grid), COARSE).tolist() == np.flatnonzero(weight[0]).tolist()
+    assert _thinned(goal(0 * weight, grid), COARSE).size == 0
+
+
+def test_no_channel_is_left_without_a_sample(grid):
+    weight = np.stack([np.ones(grid.shape), np.zeros(grid.shape)])
+    weight[1, 0, 0, 1] = 1.0
+    assert weight[1].flat[_thinned(goal(weight, grid), 100)].any()
+
+
+def test_a_mirror_is_fitted_as_well_in_each_channel():
+    """Started from one bin of phi_d alone, blue ended at 0.0333."""
+    table = synthetic.load("mirror-metal", 1)
+    fit = variants.model("shifted-gamma").fit(table, Objective(), None, 1)
+    assert [record.objective for record in fit.records] == pytest.approx(3 * [0.0118], abs=2e-4)
