@@ -31,7 +31,7 @@ from npfm.fitting.factors.problem import Sums, filled
 from npfm.fitting.factors.slices import factors_of_slices
 from npfm.fitting.factors.smith import masking_shadowing
 from npfm.fitting.fits import Fit, Trace
-from npfm.fitting.objective import Objective, Samples
+from npfm.fitting.objective import Objective, Samples, fold
 from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.table import Table
@@ -39,6 +39,7 @@ from npfm.reflectance.table import Table
 NAME = "bivariate-g"
 COEFFICIENTS = ("B", "rho_d")
 CLAMP = 1e-6  # smallest component of G, as in independent-g; B may be 0
+FREEDOMS = 2  # scalings of G that leave the model as it is
 #: Width of the Gaussian that smooths G in the first stage of AWLS, in nodes.
 SMOOTHING = 1.0
 #: Powers of cos(theta) that are starts for G: from G = 1 to the bivariate model, K = 1.
@@ -211,6 +212,12 @@ def fit(table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
 
     parameters, records = fit_channels(table, objective, fit_channel, COEFFICIENTS)
     return Fit(NAME, parameters, table.grid, records)
+
+
+def linearised(samples: Samples, p: dict[str, NDArray]) -> tuple[BivariateGProblem, State]:
+    """Return the problem of a channel, its samples not folded yet, and the state of a fit."""
+    problem = BivariateGProblem(fold(samples))
+    return problem, problem.start(p["G"])
 
 
 def tabulate(fit: Fit) -> Table:

@@ -19,7 +19,7 @@ from npfm.fitting.factors.problem import SMALLEST, Factors, State, filled, updat
 from npfm.fitting.factors.slices import factors_of_slices
 from npfm.fitting.factors.smith import log_derivative, masking_shadowing
 from npfm.fitting.fits import Fit, Trace
-from npfm.fitting.objective import Objective, Samples
+from npfm.fitting.objective import Objective, Samples, fold
 from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.table import Table
@@ -27,6 +27,7 @@ from npfm.reflectance.table import Table
 NAME = "g-from-d"
 COEFFICIENTS = ("rho_d", "rho_s")
 CLAMP = 0.0  # "we simply clamp negative factor components to 0" (section 4.3)
+FREEDOMS = 1  # scalings of the factors that leave the model as it is
 STARTS = 2  # the paper has one
 #: Updates of F and the coefficients for one of D, which alone needs a pass over the samples.
 INNER_SWEEPS = 5
@@ -149,6 +150,12 @@ def fit(table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
 
     parameters, records = fit_channels(table, objective, fit_channel, COEFFICIENTS)
     return Fit(NAME, parameters, table.grid, records)
+
+
+def linearised(samples: Samples, p: dict[str, NDArray]) -> tuple[GFromDProblem, State]:
+    """Return the problem of a channel, its samples not folded yet, and the state of a fit."""
+    problem = GFromDProblem(fold(samples))
+    return problem, problem.start(p["D"], p["F"])
 
 
 def tabulate(fit: Fit) -> Table:

@@ -20,7 +20,7 @@ from npfm.fitting.factors.problem import State
 from npfm.fitting.factors.slices import factors_of_slices
 from npfm.fitting.factors.smith import masking_shadowing
 from npfm.fitting.fits import Fit
-from npfm.fitting.objective import Objective, Samples
+from npfm.fitting.objective import Objective, Samples, fold
 from npfm.fitting.solvers.problem import Solver
 from npfm.models import g_from_d
 from npfm.reflectance.half_difference import Grid
@@ -31,6 +31,7 @@ COEFFICIENTS = ("rho_d", "rho_s")
 RANDOM = True
 SETTINGS = {"starts": "the first so many of the eight starts (default: 8)"}
 CLAMP = 1e-6  # smallest component of a factor (section 4.3, "Dynamic range clamping")
+FREEDOMS = 2  # scalings of the factors that leave the model as it is
 STARTS, RANDOM_STARTS = 8, 4  # section 5
 #: Width of the Gaussian that smooths G, in nodes (the paper gives none).
 SMOOTHING = 1.0
@@ -149,6 +150,12 @@ def fit(
 
     parameters, records = fit_channels(table, objective, fit_channel, COEFFICIENTS)
     return Fit(NAME, parameters, table.grid, records)
+
+
+def linearised(samples: Samples, p: dict[str, NDArray]) -> tuple[IndependentGProblem, State]:
+    """Return the problem of a channel, its samples not folded yet, and the state of a fit."""
+    problem = IndependentGProblem(fold(samples))
+    return problem, problem.state(p["D"], p["F"], p["G"])
 
 
 def tabulate(fit: Fit) -> Table:

@@ -10,6 +10,7 @@ worse than factors that are non-negative themselves.
 """
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -236,6 +237,17 @@ def fit(table: Table, objective: Objective, solve: Solver, seed: int, *, rank: i
 def _after(trace: Trace, status: str) -> Trace:
     """Return a trace that says if the fit it started from, of a status, had not converged."""
     return trace if status == "converged" else replace(trace, status=status)
+
+
+def systems(samples: Samples, p: dict[str, Array]) -> Iterator[Array]:
+    """Matrices of the equations for each row of U, then of V, at a fit of one channel."""
+    problem, state = bivariate_g.linearised(samples, p)
+    compressor = Compressor(problem, state)
+    wkk = compressor.equations.wkk
+    scaled = (wkk, p["V"] * compressor.columns), (wkk.T, p["U"] * compressor.rows)
+    for weight, factor in scaled:
+        basis = np.linalg.qr(factor)[0]
+        yield from ((basis.T * row) @ basis for row in weight if row.any())
 
 
 def tabulate(fit: Fit) -> Table:

@@ -22,6 +22,7 @@ NAME = "naive"
 COEFFICIENTS = ("rho_d", "rho_s")
 RECIPROCAL = False
 CLAMP = 1e-6  # smallest component of a factor (section 4.3, "Dynamic range clamping")
+FREEDOMS = 2  # scalings of the factors that leave the model as it is
 
 
 class NaiveProblem(FactorProblem):
@@ -142,6 +143,12 @@ def fit(table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
 
     parameters, records = fit_channels(table, objective, fit_channel, COEFFICIENTS, RECIPROCAL)
     return Fit(NAME, parameters, table.grid, records)
+
+
+def linearised(samples: Samples, p: dict[str, NDArray]) -> tuple[NaiveProblem, State]:
+    """Return the problem of a channel, its samples not folded yet, and the state of a fit."""
+    problem = NaiveProblem(samples)
+    return problem, problem.state(p["D"], p["F"], p["H"])
 
 
 def tabulate(fit: Fit) -> Table:

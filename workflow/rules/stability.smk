@@ -1,8 +1,4 @@
 from npfm.fitting import registry
-from npfm.fitting.solvers.choice import SOLVERS, chosen
-
-HARD_CASES = f"{workflow.basedir}/tests/hard_cases.py"
-STABILITY = f"{workflow.basedir}/tests/stability.py"
 
 
 localrules:
@@ -10,9 +6,6 @@ localrules:
 
 
 rule stability_fits:
-    input:
-        cases=HARD_CASES,
-        script=STABILITY,
     output:
         f"{OUT}/stability/{{model}}.csv",
     log:
@@ -30,20 +23,20 @@ rule stability_fits:
                 f"npfm.models.{wildcards.model.replace('-', '_')}",
                 "npfm.fitting.solvers.awls",
                 "npfm.fitting.solvers.gauss_newton",
-            )
+                "npfm.evaluation.stability",
+            ),
+            ("npfm.commands.stability",),
         ),
         starts=config["stability"]["starts"],
         awls_iterations=config["stability"]["awls_iterations"],
     shell:
-        "python {input.script} fit {wildcards.model} --starts {params.starts}"
+        "python -m npfm stability fit {wildcards.model} --starts {params.starts}"
         " --awls-iterations {params.awls_iterations} -o {output} 2> {log}"
 
 
 rule stability:
     input:
-        tables=expand(rules.stability_fits.output, model=registry.non_parametric()),
-        cases=HARD_CASES,
-        script=STABILITY,
+        expand(rules.stability_fits.output, model=registry.non_parametric()),
     output:
         f"{OUT}/tables/stability.csv",
     log:
@@ -52,5 +45,7 @@ rule stability:
         "../envs/npfm.yaml"
     resources:
         mem_mb=500,
+    params:
+        code=digest(("npfm.evaluation.stability",), ("npfm.commands.stability",)),
     shell:
-        "python {input.script} gather {input.tables} -o {output} 2> {log}"
+        "python -m npfm stability gather {input} -o {output} 2> {log}"

@@ -172,10 +172,10 @@ def test_the_start_that_goes_on_says_where_it_was_when_it_was_chosen(samples):
     problem, good = started(IndependentGProblem, samples)
     rng = np.random.default_rng(4)
     poor = problem.state(rng.random(10), rng.random(10), rng.random(G_THETA.size))
-    settings = Solver(tolerance=1e-5)
+    settings = SolverSettings(tolerance=1e-5)
     _, (winner, loser) = gauss_newton.solve(problem, {"poor": poor, "good": good}, settings)
     starts = {"poor": poor, "good": good}
-    loose = Solver(tolerance=gauss_newton.COARSE_TOLERANCE * settings.tolerance)
+    loose = SolverSettings(tolerance=gauss_newton.COARSE_TOLERANCE * settings.tolerance)
     thinned = problem.thinned(gauss_newton.COARSE)
     for trace in (winner, loser):
         start = thinned.unpack(problem.pack(starts[trace.start]))

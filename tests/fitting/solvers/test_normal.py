@@ -61,7 +61,7 @@ def test_rounding_is_no_progress(slope, status):
     """Machines round differently: where one finds nothing lower another gains a last digit."""
     problem = Flat(slope)
     problem.objective = lambda state: 0.5 - 1e-16 * state[0]
-    _, (trace,) = awls.solve(problem, {"start": np.zeros(2)}, Solver())
+    _, (trace,) = awls.solve(problem, {"start": np.zeros(2)}, SolverSettings())
     assert trace.objective[-1] < 0.5
     assert trace.status == status
 

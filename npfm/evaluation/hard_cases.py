@@ -1,7 +1,7 @@
 """Hard inputs for a fit: each function makes a table on a grid that no measurement should be like.
 
-Docstrings say what each is; `CASES` has them by name. The table of docs/stability.md comes from
-these on MERL's grid, the tests run them on a small one.
+Docstrings say what each is; `CASES` has them by name. The target `stability` fits them on MERL's
+grid, the tests on a small one.
 """
 
 from collections.abc import Callable
