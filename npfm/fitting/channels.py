@@ -1,15 +1,26 @@
-"""Fit the colour channels of a table one by one, and keep the record."""
+"""Fit the colour channels of a table, one by one or all together, and keep the record.
+
+`fit_channels` is for models whose parameters belong to one channel each. Where channels share
+parameters, `fit_coupled` gives a model the samples of all of them at once.
+"""
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
-from npfm.fitting.fits import ChannelRecord, Trace
-from npfm.fitting.objective import Objective, Samples, channel_samples, degeneracy, fold
+from npfm.fitting.fits import ChannelRecord, Fit, Trace
+from npfm.fitting.objective import (
+    Objective,
+    Samples,
+    channel_samples,
+    degeneracy,
+    evaluate,
+    fold,
+)
 from npfm.reflectance.table import CHANNELS, INVALID, Table
 
 #: What parameters are stored as.
@@ -82,6 +93,137 @@ def fit_channels(
             )
         )
     return {key: np.stack([c[key] for c in fitted]) for key in fitted[0]}, tuple(records)
+
+
+@dataclass(frozen=True)
+class CoupledFit:
+    """Parameters of all channels, and how they were found.
+
+    Parameters
+    ----------
+    parameters : dict of str to ndarray
+        First axis the channel, or of length 1 where the channels share a parameter; coefficients
+        in units of the samples' scale of their channel.
+    traces : sequence of three sequences of Trace
+        For each channel its runs, first the one that led to the parameters; their seconds are
+        the channel's part of the time (see `shared_traces`).
+    """
+
+    parameters: dict[str, NDArray]
+    traces: Sequence[Sequence[Trace]]
+
+
+def shared_traces(traces: Sequence[Trace]) -> Sequence[Sequence[Trace]]:
+    """Runs that fitted all channels at once, for each of them: a third of the time is its part."""
+    part = [replace(t, seconds=tuple(s / len(CHANNELS) for s in t.seconds)) for t in traces]
+    return [part] * len(CHANNELS)
+
+
+def fit_coupled(
+    name: str,
+    table: Table,
+    objective: Objective,
+    fit_together: Callable[[Sequence[Samples]], CoupledFit],
+    tabulate: Callable[[Fit], Table],
+    coefficients: tuple[str, ...],
+    reciprocal: bool = True,
+) -> Fit:
+    """Fit all channels at once, for a model in which they share parameters.
+
+    The records are as those of `fit_channels`, one a channel. Their objective is that of the
+    channel in the table of the stored parameters; what the traces tell is up to the model.
+
+    Parameters
+    ----------
+    name : str
+        Of the model.
+    table : Table
+        Measured BRDF in 1/sr.
+    objective : Objective
+        Weights and range.
+    fit_together : callable
+        Takes the samples of the three channels, folded if `reciprocal`.
+    tabulate : callable
+        The model's.
+    coefficients : tuple of str
+        The parameters that carry the unit of the BRDF: they are scaled back to 1/sr.
+    reciprocal : bool
+        Whether the model is fitted to folded samples.
+
+    Raises
+    ------
+    NpfmError
+        As `fit_channels`.
+    """
+    began = time.process_time()
+    samples = [channel_samples(table, channel, objective) for channel in range(len(CHANNELS))]
+    folded = [fold(channel) for channel in samples]
+    result = fit_together(folded if reciprocal else samples)
+    stored = [
+        _stored(
+            {key: result.parameters[key][channel] for key in coefficients},
+            folded[channel].scale,
+            coefficients,
+            CHANNELS[channel],
+        )
+        for channel in range(len(CHANNELS))
+    ]
+    parameters = {
+        key: np.stack([part[key] for part in stored]) if key in coefficients else value
+        for key, value in result.parameters.items()
+    }
+    parameters = {key: np.asarray(value).astype(STORED) for key, value in parameters.items()}
+    fit = Fit(name, parameters, table.grid)
+    records = records_of(tabulate(fit), folded, result.traces, time.process_time() - began)
+    reasons = [degeneracy(channel) for channel in folded]
+    return replace(
+        fit,
+        records=tuple(
+            replace(record, status=f"degenerate: {reason}") if reason else record
+            for record, reason in zip(records, reasons, strict=True)
+        ),
+    )
+
+
+def records_of(
+    made: Table,
+    folded: Sequence[Samples],
+    traces: Sequence[Sequence[Trace]],
+    seconds: float,
+) -> tuple[ChannelRecord, ...]:
+    """Records of a fit by its table: the objective is that of equation 7 of Bagher et al. 2016.
+
+    Parameters
+    ----------
+    made : Table
+        What the fit's model makes of it.
+    folded : sequence of Samples
+        Of each channel.
+    traces : sequence of sequence of Trace
+        Of each channel, first the run that led to the fit.
+    seconds : float
+        Processor time of all channels; what is not in the runs is shared out equally.
+    """
+    runs = [sum(trace.seconds[-1] for trace in channel) for channel in traces]
+    rest = max(seconds - sum(runs), 0.0) / len(CHANNELS)
+    records = []
+    for channel, name in enumerate(CHANNELS):
+        measured, first = folded[channel], traces[channel][0]
+        half = made.values[channel][..., : measured.value.shape[-1]]
+        energy = measured.energy or 1.0
+        reached = evaluate(measured, half / measured.scale) / energy
+        records.append(
+            ChannelRecord(
+                channel=name,
+                seconds=runs[channel] + rest,
+                best_start=first.start,
+                objective=reached,
+                objective_floor=measured.floor / energy,
+                status=first.status,
+                traces=tuple(traces[channel]),
+            )
+        )
+    return tuple(records)
 
 
 def _stored(

@@ -2,20 +2,22 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import OptimizeResult, least_squares, nnls
 
+from npfm.fitting.channels import CoupledFit, fit_coupled
 from npfm.fitting.fits import Fit, Trace
-from npfm.fitting.objective import Objective, channel_samples
+from npfm.fitting.objective import Objective, Samples
 from npfm.fitting.parametric.author_metrics import Goal, Metric
-from npfm.fitting.parametric.lobes import NORMAL, Directions, Form, recorded
+from npfm.fitting.parametric.lobes import NORMAL, Directions, Form, tabulate, with_end
 from npfm.fitting.solvers.problem import NEGLIGIBLE
 from npfm.reflectance.table import CHANNELS, Table
 
+COEFFICIENTS = ("rho_d", "rho_s")
 #: About so many samples are kept for the comparison of starts.
 COARSE = 3_000
 FINE_EVALUATIONS, COARSE_EVALUATIONS = 300, 20
@@ -49,19 +51,18 @@ def fit(name: str, form: Form, metric: Metric, table: Table, objective: Objectiv
     NpfmError
         If a channel has no sample that counts.
     """
-    began = time.process_time()
-    channels = range(len(CHANNELS))
-    samples = [channel_samples(table, channel, objective) for channel in channels]
-    groups = [samples] if form.shared else [[s] for s in samples]
-    goals = [metric(group) for group in groups]
-    preparation = (time.process_time() - began) / len(CHANNELS)
-    found = [_fit_together(form, goal) for goal in goals]
-    parameters = {
-        key: np.concatenate([part[key] for part, _ in found]).astype(np.float32)
-        for key in found[0][0]
-    }
-    traces = [runs for _, runs in found] * (len(CHANNELS) // len(found))
-    return recorded(form, Fit(name, parameters, table.grid), samples, traces, preparation)
+
+    def fit_together(samples: Sequence[Samples]) -> CoupledFit:
+        groups = [samples] if form.shared else [[channel] for channel in samples]
+        found = [_fit_together(form, metric(group), group) for group in groups]
+        parameters = {key: np.concatenate([part[key] for part, _ in found]) for key in found[0][0]}
+        return CoupledFit(parameters, [runs for _, runs in found] * (len(CHANNELS) // len(found)))
+
+    # Not folded: the metrics of other authors weight light and view differently.
+    fit = fit_coupled(
+        name, table, objective, fit_together, partial(tabulate, form), COEFFICIENTS, False
+    )
+    return replace(fit, records=tuple(with_end(record) for record in fit.records))
 
 
 @dataclass(frozen=True)
@@ -167,7 +168,9 @@ class _Problem:
             )
 
 
-def _fit_together(form: Form, goal: Goal) -> tuple[dict[str, NDArray], list[Trace]]:
+def _fit_together(
+    form: Form, goal: Goal, samples: Sequence[Samples]
+) -> tuple[dict[str, NDArray], list[Trace]]:
     """Fit channels that share a shape; the traces' seconds are those of one channel."""
     coarse, fine = (_Problem(form, goal, _thinned(goal, count)) for count in (COARSE, form.samples))
     results, traces = {}, {}
@@ -181,7 +184,7 @@ def _fit_together(form: Form, goal: Goal) -> tuple[dict[str, NDArray], list[Trac
     final = fine.minimise(fine.start(vector), FINE_EVALUATIONS)
     runs = [_trace(best, fine, [results[best], final], began)]
     runs += [trace for name, trace in traces.items() if name != best]
-    return _parameters(fine, final.x), runs
+    return _parameters(fine, final.x, samples), runs
 
 
 def _trace(name: str, problem: _Problem, results: Sequence[OptimizeResult], began: float) -> Trace:
@@ -206,10 +209,11 @@ def _thinned(goal: Goal, count: int) -> NDArray[np.int64]:
     return kept if counts[:, kept].any(1).all() else every
 
 
-def _parameters(problem: _Problem, x: NDArray) -> dict[str, NDArray]:
-    """Parameters in 1/sr, coefficients that only rounding keeps from 0 being 0."""
+def _parameters(problem: _Problem, x: NDArray, samples: Sequence[Samples]) -> dict[str, NDArray]:
+    """Parameters in units of the samples; coefficients that only rounding keeps from 0 are 0."""
     rho_d, rho_s, vector, _ = problem._parts(x)
-    shape, scale = problem.form.shape(vector), problem.goal.scale
+    shape = problem.form.shape(vector)
+    scale = problem.goal.scale / [channel.scale for channel in samples]
     peak = problem.form.lobe(shape, NORMAL)
     coefficients = {"rho_d": rho_d[:, 0] * scale, "rho_s": rho_s[:, 0] * scale / peak}
     black = ~(problem.goal.value > 0).any((1, 2, 3))

@@ -10,9 +10,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fitting.channels import as_table
+from npfm.fitting.channels import as_table, records_of
 from npfm.fitting.fits import ChannelRecord, Fit, Trace
-from npfm.fitting.objective import Objective, Samples, channel_samples, evaluate, fold
+from npfm.fitting.objective import Objective, channel_samples, fold
 from npfm.reflectance.table import CHANNELS, Table
 
 Shape = Mapping[str, NDArray | float]
@@ -111,46 +111,15 @@ def tabulate(form: Form, fit: Fit) -> Table:
     return as_table([np.concatenate([v, v[..., ::-1]], axis=-1) for v in values], grid)
 
 
-def recorded(
-    form: Form,
-    fit: Fit,
-    samples: Sequence[Samples],
-    traces: Sequence[Sequence[Trace]],
-    preparation: float,
-) -> Fit:
-    """Return the fit with its records, of which the objective is that of the 2016 paper.
-
-    Parameters
-    ----------
-    form : Form
-    fit : Fit
-    samples : sequence of Samples
-        Of each channel, not folded.
-    traces : sequence of sequence of Trace
-        For each channel the runs, the best first; its objective is replaced by that of the fit.
-    preparation : float
-        Seconds of each channel before the runs.
-    """
-    table = tabulate(form, fit)
-    records = []
-    for channel, name in enumerate(CHANNELS):
-        folded = fold(samples[channel])
-        half = table.values[channel][..., : folded.value.shape[-1]]
-        energy = folded.energy or 1.0
-        reached = evaluate(folded, half / folded.scale) / energy
-        first, *others = traces[channel]
-        runs = (replace(first, objective=(reached,)), *others)
-        seconds = preparation + sum(run.seconds[-1] for run in runs)
-        records.append(
-            ChannelRecord(
-                name, seconds, first.start, reached, folded.floor / energy, first.status, runs
-            )
-        )
-    return replace(fit, records=tuple(records))
+def with_end(record: ChannelRecord) -> ChannelRecord:
+    """Return the record with its objective as the end of its best run, whatever that minimised."""
+    first, *others = record.traces
+    return replace(record, traces=(replace(first, objective=(record.objective,)), *others))
 
 
 def published(form: Form, table: Table, objective: Objective, fit: Fit) -> Fit:
     """Return a fit of published parameters with a record that says so."""
-    samples = [channel_samples(table, channel, objective) for channel in range(len(CHANNELS))]
+    folded = [fold(channel_samples(table, channel, objective)) for channel in range(len(CHANNELS))]
     trace = Trace("published", "published", 0, 0, (0.0,), (0.0,))
-    return recorded(form, fit, samples, [[trace]] * len(CHANNELS), 0.0)
+    records = records_of(tabulate(form, fit), folded, [[trace]] * len(CHANNELS), 0.0)
+    return replace(fit, records=tuple(with_end(record) for record in records))
