@@ -56,8 +56,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=solver.max_iterations,
         help="cap on the iterations of one run (default: %(default)s)",
     )
-    for setting, meaning in _own_settings().items():
-        parser.add_argument(f"--{setting}", type=int, metavar="N", help=meaning)
+    for setting, (words, meaning) in _own_settings().items():
+        kind = {"choices": words} if words else {"type": int, "metavar": "N"}
+        parser.add_argument(f"--{setting}", help=meaning, **kind)
     parser.add_argument(
         "--published", metavar="FILE", help=".fit file that a model *-published reads"
     )
@@ -107,13 +108,23 @@ def _summary(fit: Fit) -> str:
     )
 
 
-def _own_settings() -> dict[str, str]:
-    """Settings that only some models have, and what they mean to each."""
-    meanings: dict[str, list[str]] = {}
+def _own_settings() -> dict[str, tuple[list[str], str]]:
+    """Settings that only some models have: their words, if they take words, and their meanings."""
+    words: dict[str, list[str]] = {}
+    meanings: dict[str, dict[str, list[str]]] = {}
     for name, model in registry.models().items():
         for setting, meaning in model.settings.items():
-            meanings.setdefault(setting, []).append(f"of {name}: {meaning}")
-    return {setting: "; ".join(said) for setting, said in meanings.items()}
+            choices = {} if isinstance(meaning, str) else meaning
+            said = "; ".join(f"{k}: {v}" for k, v in choices.items()) or meaning
+            words.setdefault(setting, []).extend(choices)
+            meanings.setdefault(setting, {}).setdefault(said, []).append(name)
+    return {
+        setting: (
+            list(dict.fromkeys(words[setting])),
+            "; ".join(f"of {', '.join(names)}: {meaning}" for meaning, names in said.items()),
+        )
+        for setting, said in meanings.items()
+    }
 
 
 def _given(model: Model, arguments: argparse.Namespace) -> dict[str, Any]:

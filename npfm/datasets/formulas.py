@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erf
 
+from npfm.reflectance.microsurfaces import beckmann, ggx, tangent
+
 Array = NDArray[np.float64]
 
 
@@ -36,29 +38,15 @@ def fresnel(cos_d: Array, index: complex | NDArray) -> Array:
     return (np.abs(perpendicular) ** 2 + np.abs(parallel) ** 2) / 2
 
 
-def ggx(cos_h: Array, alpha: float | Array) -> Array:
-    """GGX distribution of normals in 1/sr (Walter et al. 2007, equation 33)."""
-    return alpha**2 / (np.pi * (1 + cos_h**2 * (alpha**2 - 1)) ** 2)
-
-
 def ggx_shadowing(cosine: Array, alpha: float | Array) -> Array:
     """Smith's G1 of `ggx` (Walter et al. 2007, equation 34)."""
-    return 2 / (1 + np.sqrt(1 + alpha**2 * _tangent(cosine) ** 2))
-
-
-def beckmann(cos_h: Array, alpha: float) -> Array:
-    """Beckmann distribution of normals in 1/sr (Walter et al. 2007, equation 25)."""
-    return np.exp(-((_tangent(cos_h) / alpha) ** 2)) / (np.pi * alpha**2 * cos_h**4)
+    return 2 / (1 + np.sqrt(1 + alpha**2 * tangent(cosine) ** 2))
 
 
 def beckmann_shadowing(cosine: Array, alpha: float) -> Array:
     """Smith's G1 of `beckmann` (Walter et al. 2007, equation 26)."""
-    a = 1 / (alpha * _tangent(cosine))
+    a = 1 / (alpha * tangent(cosine))
     return 2 / (1 + erf(a) + np.exp(-(a**2)) / (a * np.sqrt(np.pi)))
-
-
-def _tangent(cosine: Array) -> Array:
-    return np.sqrt(np.maximum(1 / cosine**2 - 1, 1e-16))
 
 
 def ggx_lobe(angles: Angles, alpha: float | Array, reflectance: Array) -> Array:

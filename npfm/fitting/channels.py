@@ -226,6 +226,12 @@ def records_of(
     return tuple(records)
 
 
+def with_end(record: ChannelRecord) -> ChannelRecord:
+    """Return the record with its objective as the end of its best run, whatever that minimised."""
+    first, *others = record.traces
+    return replace(record, traces=(replace(first, objective=(record.objective,)), *others))
+
+
 def _stored(
     parameters: dict[str, NDArray], scale: float, coefficients: tuple[str, ...], channel: str
 ) -> dict[str, NDArray]:

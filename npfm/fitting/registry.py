@@ -45,12 +45,15 @@ class Model:
         Whether `fit` minimises the objective that it is given, and not one of its own.
     random : bool
         Whether a start of `fit` is random, so that the seed matters.
-    settings : mapping of str to str
-        Whole numbers that `fit` takes as keywords, and what they mean.
+    settings : mapping of str to (str or mapping of str to str)
+        What `fit` takes as keywords: a whole number, with what it means, or one of a few words,
+        with what each means.
     own_table : float
         Share of the objective that may be left when a table of the model's own is fitted.
     shared : tuple of str
         Parameters that the channels have together: stored once, their first axis of length 1.
+    converted : bool
+        Whether `fit` makes parameters out of those of another model, and fits none to the table.
     scale_free : bool
         Whether a brighter table has larger coefficients and all else the same.
     published : mapping
@@ -65,9 +68,10 @@ class Model:
     solver: bool = True
     objective: bool = True
     random: bool = False
-    settings: Mapping[str, str] = field(default_factory=dict)
+    settings: Mapping[str, str | Mapping[str, str]] = field(default_factory=dict)
     own_table: float = 1e-8
     shared: tuple[str, ...] = ()
+    converted: bool = False
     scale_free: bool = True
     published: Mapping[str, Any] = field(default_factory=dict)
 

@@ -309,8 +309,12 @@ def _own_settings(entry: Mapping[str, Any], solver: Mapping[str, Any], model: Mo
         raise NpfmError(f"config: variants/{entry['name']}: unknown key '{unknown[0]}'; {hint}")
     given = {key: {**solver, **entry}.get(key) for key in model.settings}
     for key, value in given.items():
-        if not isinstance(value, int | None):
+        words = model.settings[key]
+        if isinstance(words, str) and not isinstance(value, int | None):
             raise NpfmError(f"config: variants/{entry['name']}/{key}: give a whole number")
+        if not isinstance(words, str) and value is not None and value not in words:
+            where, hint = f"config: variants/{entry['name']}/{key}", suggest(str(value), words)
+            raise NpfmError(f"{where}: unknown {key} '{value}'; {hint}")
     return "".join(f" --{key} {value}" for key, value in given.items() if value is not None)
 
 

@@ -92,6 +92,16 @@ def test_rank_reaches_the_model(capsys, tmp_path, felt):
     assert fits.load(path).parameters["U"].shape[-1] == 2
 
 
+def test_words_reach_the_model(capsys, tmp_path, felt):
+    found = set()
+    for kernel in ("consistent", "paper"):
+        path = tmp_path / f"{kernel}.npz"
+        call = "fit", felt, "--model", "power-iteration", "--kernel", kernel, "-o", path
+        assert run(capsys, *call)[0] == 0
+        found.add(fits.load(path).parameters["D"].tobytes())
+    assert len(found) == 2
+
+
 @pytest.mark.parametrize(
     ("variant", "option", "value", "said"),
     [
@@ -99,6 +109,8 @@ def test_rank_reaches_the_model(capsys, tmp_path, felt):
         ("low-rank-b", "--starts", 2, "--starts is not a setting of 'low-rank-b'"),
         ("low-rank-b", "--rank", 0, "give a rank from 1 to 90"),
         ("independent-g", "--starts", 9, "give a number from 1 to 8"),
+        ("naive", "--kernel", "paper", "--kernel is not a setting of 'naive'"),
+        ("power-iteration", "--kernel", "papers", "invalid choice: 'papers'"),
     ],
 )
 def test_settings_of_other_models_are_refused(capsys, tmp_path, felt, variant, option, value, said):

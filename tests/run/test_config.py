@@ -68,6 +68,17 @@ def test_only_models_that_have_a_rank_or_starts_are_told_them():
     assert "--rank" not in told and "--starts" not in told
 
 
+def test_settings_may_be_words():
+    paper = {"name": "paper", "model": "power-iteration", "kernel": "paper", "fresnel": "mean"}
+    run = check(configured(variants=["power-iteration", paper]))
+    assert "--kernel paper --fresnel mean" in run.variants["paper"].options
+    assert "--kernel" not in run.variants["power-iteration"].options
+    with pytest.raises(NpfmError, match="kernel: unknown kernel 'papers'; "):
+        check(configured(variants=[paper | {"kernel": "papers"}]))
+    with pytest.raises(NpfmError, match="variants/wide/rank: give a whole number"):
+        check(configured(variants=[{"name": "wide", "model": "low-rank-b", "rank": "paper"}]))
+
+
 def with_published(tmp_path, lines):
     """A configuration of two materials of which some are in the file of Cook-Torrance."""
     text = (

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.slopes import facing
 
 #: Gauss-Legendre points in each interval between the nodes of D.
 QUADRATURE_POINTS = 8
@@ -59,10 +60,6 @@ def diffuseness(normal_distribution: NDArray, grid: Grid) -> NDArray[np.float64]
 def shadowing_matrix(grid: Grid, elevations: tuple[float, ...]) -> NDArray[np.float64]:
     """Matrix A, shape (elevations, theta_h_bins), with A @ D = S / cos(theta_o).
 
-    The azimuth integral of max(0, o.h) has a closed form: with a = cos(theta_o) cos(theta_h) and
-    b = sin(theta_o) sin(theta_h) it is 2 pi a where a >= b, else 2 (a t + b sin t) with
-    t = arccos(-a / b).
-
     Parameters
     ----------
     grid : Grid
@@ -72,9 +69,7 @@ def shadowing_matrix(grid: Grid, elevations: tuple[float, ...]) -> NDArray[np.fl
     """
     theta, hats = _quadrature(grid)
     theta_o = np.array(elevations)[:, None]
-    a, b = np.cos(theta_o) * np.cos(theta), np.sin(theta_o) * np.sin(theta)
-    t = np.arccos(np.clip(-a / np.maximum(b, 1e-300), -1.0, 1.0))
-    return (2 * (a * t + b * np.sin(t)) / np.cos(theta_o)) @ hats
+    return (facing(theta_o, theta) / np.cos(theta_o)) @ hats
 
 
 def masking_shadowing(

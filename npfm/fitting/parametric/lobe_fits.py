@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import OptimizeResult, least_squares, nnls
 
-from npfm.fitting.channels import CoupledFit, fit_coupled
+from npfm.fitting.channels import CoupledFit, fit_coupled, with_end
 from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples
 from npfm.fitting.parametric.author_metrics import Goal, Metric
-from npfm.fitting.parametric.lobes import NORMAL, Directions, Form, tabulate, with_end
+from npfm.fitting.parametric.lobes import NORMAL, Directions, Form, tabulate
 from npfm.fitting.solvers.problem import NEGLIGIBLE
 from npfm.reflectance.table import CHANNELS, Table
 

@@ -10,8 +10,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fitting.channels import as_table, records_of
-from npfm.fitting.fits import ChannelRecord, Fit, Trace
+from npfm.fitting.channels import as_table, records_of, with_end
+from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, channel_samples, fold
 from npfm.reflectance.table import CHANNELS, Table
 
@@ -109,12 +109,6 @@ def tabulate(form: Form, fit: Fit) -> Table:
     values = [d + s * lobe for d, s, lobe in zip(rho_d, rho_s, lobes, strict=True)]
     # Computed once for both halves of phi_d: exactly reciprocal.
     return as_table([np.concatenate([v, v[..., ::-1]], axis=-1) for v in values], grid)
-
-
-def with_end(record: ChannelRecord) -> ChannelRecord:
-    """Return the record with its objective as the end of its best run, whatever that minimised."""
-    first, *others = record.traces
-    return replace(record, traces=(replace(first, objective=(record.objective,)), *others))
 
 
 def published(form: Form, table: Table, objective: Objective, fit: Fit) -> Fit:

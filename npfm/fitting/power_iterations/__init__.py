@@ -1,0 +1,1 @@
+"""Microfacet models whose distribution is read off backscattered light (Dupuy et al. 2015)."""

@@ -1,0 +1,129 @@
+"""Fits of models that keep a distribution of microfacets and a Fresnel factor, and no more.
+
+rho = rho_s F(theta_d) D(theta_h) / (4 A), with A as in `mirrors`: D is shared by the channels; F
+and rho_s, which takes the scale of F, are of each. Nothing is searched for (Dupuy et al. 2015).
+"""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from npfm.fitting.channels import (
+    STORED,
+    CoupledFit,
+    as_table,
+    fit_coupled,
+    shared_traces,
+    with_end,
+)
+from npfm.fitting.fits import Fit, Trace
+from npfm.fitting.objective import Objective, Samples
+from npfm.fitting.power_iterations.eigenproblem import distribution
+from npfm.fitting.power_iterations.fresnel import fresnel
+from npfm.fitting.power_iterations.mirrors import mirrors
+from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.slopes import normalised, projected_area
+from npfm.reflectance.table import CHANNELS, Table
+
+Array = NDArray[np.float64]
+Parameters = dict[str, NDArray]
+
+
+@dataclass(frozen=True)
+class Form:
+    """How a model keeps a distribution of microfacets.
+
+    Parameters
+    ----------
+    convert : callable
+        The model's own parameters, first axis of length 1, of a D at the bin centres of a grid.
+    surface : callable
+        The normalised D at the bin centres, and its projected areas at `ELEVATIONS`, of those.
+    """
+
+    convert: Callable[[Array, Grid], Parameters]
+    surface: Callable[[Parameters, Grid], tuple[Array, Array]]
+
+
+def tabulated_surface(p: Parameters, grid: Grid) -> tuple[Array, Array]:
+    """`Form.surface` of a distribution that is kept as it is."""
+    D = normalised(p["D"][0], grid)
+    return D, projected_area(D, grid)
+
+
+TABULATED = Form(lambda D, grid: {"D": D[None]}, tabulated_surface)
+
+
+def fit(name: str, form: Form, table: Table, objective: Objective, kernel: str, way: str) -> Fit:
+    """Fit a model to a table; the same steps for every table, and none that can fail.
+
+    D comes first, F from the mirrors of the stored D; only then is D converted, so that F is that
+    of the power iterations whatever the form (section 5.4 of Dupuy et al. 2015).
+
+    Parameters
+    ----------
+    name : str
+        Of the model.
+    form : Form
+        How it keeps D.
+    table : Table
+        Measured BRDF in 1/sr.
+    objective : Objective
+        Which samples count, how much in the least squares of F, and what the record tells.
+    kernel : str
+        A key of `eigenproblem.KERNELS`.
+    way : str
+        A key of `fresnel.WAYS`.
+
+    Raises
+    ------
+    NpfmError
+        If a channel has no sample that counts, a NaN or an infinity, or values so large or so
+        small that its rho_s cannot be stored.
+    """
+    together = partial(_fit_together, form=form, kernel=kernel, way=way)
+    tabulated = partial(tabulate, form)
+    made = fit_coupled(name, table, objective, together, tabulated, ("rho_s",))
+    return replace(made, records=tuple(with_end(record) for record in made.records))
+
+
+def _fit_together(samples: Sequence[Samples], form: Form, kernel: str, way: str) -> CoupledFit:
+    began = time.process_time()
+    grid = samples[0].grid
+    D, status, iterations = distribution(samples, kernel)
+    D = (D / D.max()).astype(STORED).astype(float)
+    ideal = mirrors(*tabulated_surface({"D": D[None]}, grid), grid)
+    factors = [fresnel(channel, ideal, way) for channel in samples]
+    largest = np.array([F.max() for F in factors])
+    scaled = [
+        F / most if most > 0 else np.ones_like(F) for F, most in zip(factors, largest, strict=True)
+    ]
+    parameters = form.convert(D, grid) | {"F": np.stack(scaled), "rho_s": largest}
+    seconds = time.process_time() - began
+    trace = Trace("power iterations", status, iterations, 0, (seconds,), (1.0,))
+    return CoupledFit(parameters, shared_traces([trace]))
+
+
+def _halves(form: Form, fit: Fit) -> list[Array]:
+    """Values of each channel for phi_d in its first half, in 1/sr."""
+    p = {key: array.astype(float) for key, array in fit.parameters.items()}
+    ideal = mirrors(*form.surface(p, fit.grid), fit.grid)
+    return [rho_s * F[:, None] * ideal for rho_s, F in zip(p["rho_s"], p["F"], strict=True)]
+
+
+def tabulate(form: Form, fit: Fit) -> Table:
+    """Values of a fit at every cell of its grid, in 1/sr."""
+    # Computed once for both halves of phi_d: exactly reciprocal.
+    values = [np.concatenate([half, half[..., ::-1]], axis=-1) for half in _halves(form, fit)]
+    return as_table(values, fit.grid)
+
+
+def parameter_count(form: Form, grid: Grid) -> int:
+    """Number of values stored for a material: rho_s and F of each channel, and the distribution."""
+    shape = form.convert(np.ones(grid.theta_h_bins), grid)
+    factors = len(CHANNELS) * (1 + grid.theta_d_bins)
+    return factors + sum(np.size(value) for value in shape.values())
