@@ -79,6 +79,10 @@ LOOKS = {
     "abc-published": Look("#D55E00", "v", "--", filled=False),
     "shifted-gamma": Look("#CC79A7", "p"),
     "shifted-gamma-published": Look("#CC79A7", "p", "--", filled=False),
+    "power-iteration": Look("#CC6677", "<"),
+    "ggx": Look("#117733", "8"),
+    "ggx-fitted": Look("#117733", "H"),
+    "beckmann": Look("#44AA99", "d"),
     "cook-torrance": Look("#56B4E9", "h"),
     "cook-torrance-published": Look("#56B4E9", "h", "--", filled=False),
 }

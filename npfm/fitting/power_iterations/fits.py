@@ -12,14 +12,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fitting.channels import (
-    STORED,
-    CoupledFit,
-    as_table,
-    fit_coupled,
-    shared_traces,
-    with_end,
-)
+from npfm.fitting import channels
+from npfm.fitting.channels import CoupledFit, as_table, fit_coupled, shared_traces, with_end
 from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples
 from npfm.fitting.power_iterations.eigenproblem import distribution
@@ -95,7 +89,7 @@ def _fit_together(samples: Sequence[Samples], form: Form, kernel: str, way: str)
     began = time.process_time()
     grid = samples[0].grid
     D, status, iterations = distribution(samples, kernel)
-    D = (D / D.max()).astype(STORED).astype(float)
+    D = (D / D.max()).astype(channels.STORED).astype(float)
     ideal = mirrors(*tabulated_surface({"D": D[None]}, grid), grid)
     factors = [fresnel(channel, ideal, way) for channel in samples]
     largest = np.array([F.max() for F in factors])
