@@ -17,6 +17,7 @@ VERBS = {
     "material": "write one material of a dataset as a MERL .binary file",
     "fit": "fit a model to a MERL .binary file",
     "tabulate": "write a fit as a MERL .binary file",
+    "edit": "make the microfacets of a fit rougher or smoother",
     "texture": "write fits of many materials as one small EXR picture",
     "light": "convert a light probe, or generate a light, as a lat-long EXR",
     "scene": "build the transport matrix of a scene",
@@ -40,6 +41,8 @@ def _command(verb: str) -> ModuleType:
             from npfm.commands import fit as module
         case "tabulate":
             from npfm.commands import tabulate as module
+        case "edit":
+            from npfm.commands import edit as module
         case "texture":
             from npfm.commands import texture as module
         case "light":
