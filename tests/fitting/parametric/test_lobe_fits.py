@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from npfm.datasets import synthetic
+from npfm.fitting import registry
 from npfm.fitting.objective import Objective
 from npfm.fitting.parametric.author_metrics import Goal
 from npfm.fitting.parametric.lobe_fits import COARSE, _thinned
 from npfm.reflectance.half_difference import Grid
-from npfm.run import variants
 
 
 def goal(weight, grid):
@@ -46,5 +46,5 @@ def test_no_channel_is_left_without_a_sample(grid):
 def test_a_mirror_is_fitted_as_well_in_each_channel():
     """Started from one bin of phi_d alone, blue ended at 0.0333."""
     table = synthetic.load("mirror-metal", 1)
-    fit = variants.model("shifted-gamma").fit(table, Objective(), None, 1)
+    fit = registry.model("shifted-gamma").fit(table, Objective(), None, 1)
     assert [record.objective for record in fit.records] == pytest.approx(3 * [0.0118], abs=2e-4)
