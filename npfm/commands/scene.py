@@ -7,10 +7,12 @@ import time
 from collections import Counter
 from pathlib import Path
 
-from npfm.commands.numbers import whole
+from npfm.commands.numbers import positive, whole
 from npfm.reflectance.half_difference import MERL
 from npfm.rendering import assembly, effects, scenes, transport
 from npfm.rendering.lights import environment
+from npfm.rendering.sampling import registry
+from npfm.rendering.sampling.strategy import Given
 from npfm.storage.files import replacing
 
 EXAMPLE = """\
@@ -45,9 +47,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--sampling",
         nargs="+",
-        choices=assembly.STRATEGIES,
-        default=list(assembly.STRATEGIES),
-        help="how light directions are chosen (default: both, combined)",
+        default=list(scenes.STRATEGIES),
+        metavar="STRATEGY",
+        help="how light directions are chosen, several combined: "
+        f"{', '.join(registry.for_any_material())} (default: {' '.join(scenes.STRATEGIES)})",
+    )
+    parser.add_argument(
+        "--power",
+        type=positive,
+        default=1,
+        help="power of the heuristic that combines them; 1 is the balance heuristic (default: 1)",
     )
     parser.add_argument(
         "--seed", type=whole(0), default=1, help="seed of the sampling (default: 1)"
@@ -64,6 +73,7 @@ def run(arguments: argparse.Namespace) -> None:
     scene = scenes.Scene(tuple(arguments.objects), tuple(arguments.effects), arguments.mesh)
     for warning in scene.warnings:
         print(f"npfm scene: warning: {warning}", file=sys.stderr)
+    registry.check_scene(arguments.sampling)
     light = environment.read(arguments.light)
     counts = Counter(rays=0)
     # CPU time: one thread builds, and other jobs beside it do not make it cost more.
@@ -75,12 +85,14 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.resolution,
         arguments.samples,
         arguments.seed,
-        arguments.sampling,
+        registry.make(arguments.sampling, Given(light, MERL)),
+        arguments.power,
         counts,
     )
     record = {
         "effects": scene.simulated,
         "sampling": arguments.sampling,
+        "power": arguments.power,
         "samples": arguments.samples,
         "resolution": arguments.resolution,
         "seconds": time.process_time() - began,

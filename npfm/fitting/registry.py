@@ -2,14 +2,12 @@
 
 A model is a file under `npfm/models` that has a constant NAME; there is no other list of models.
 What the file declares is read from its syntax, so that nothing is imported only to check a
-configuration. This is the one place that imports by a name which is only known when it runs:
-`npfm.run.provenance` refuses to digest it, so whoever runs a model names the model's own module
-as an entry.
+configuration. Here models are imported by a name that is only known when it runs, which
+`npfm.run.provenance` refuses to digest: whoever runs a model names the model's own module as an
+entry.
 """
 
-import ast
 import importlib
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import cache
@@ -17,10 +15,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from npfm.declarations import named_files
 from npfm.errors import NpfmError, suggest
 
 FOLDER = Path(__file__).parents[1] / "models"
-NAME_PATTERN = "[A-Za-z0-9][A-Za-z0-9._-]*"
 #: What the module of a model has to have.
 INTERFACE = ("fit", "tabulate", "parameter_count")
 
@@ -99,44 +97,16 @@ def models() -> Mapping[str, Model]:
         If the file of a model cannot be parsed, a declaration in it is no literal, or two files
         have the same name for their model.
     """
-    found: dict[str, Model] = {}
-    for path in sorted(FOLDER.glob("*.py")):
-        constants = _constants(path)
-        if "name" not in constants:
-            continue
-        name = constants.pop("name")
-        if not isinstance(name, str) or not re.fullmatch(NAME_PATTERN, name):
-            raise NpfmError(
-                f"{path}: the NAME {name!r} is not of letters, digits, '.', '_' and '-'"
-            )
-        if name in found:
-            raise NpfmError(f"{path}: there is another model of the NAME '{name}'; choose another")
-        found[name] = Model(f"npfm.models.{path.stem}", **constants)
-    return dict(sorted(found.items()))
+    known = {field.name for field in fields(Model)} - {"module"}
+    return {
+        name: Model(f"npfm.models.{path.stem}", **constants)
+        for name, (path, constants) in named_files(FOLDER, known, "model").items()
+    }
 
 
 def non_parametric() -> tuple[str, ...]:
     """Return the models of free factors or tables: with our solvers, or in closed form."""
     return tuple(name for name, model in models().items() if model.solver or name == "bivariate")
-
-
-def _constants(path: Path) -> dict:
-    """Declarations in a file, by the names that they have in `Model`."""
-    known = {"name", *(field.name for field in fields(Model))} - {"module"}
-    try:
-        statements = ast.parse(path.read_text()).body
-    except SyntaxError as error:
-        raise NpfmError(f"{path}, line {error.lineno}: {error.msg}; correct it") from error
-    constants = {}
-    for node in statements:
-        match node:
-            case ast.Assign([ast.Name(key)], value) if key.isupper() and key.lower() in known:
-                try:
-                    constants[key.lower()] = ast.literal_eval(value)
-                except ValueError as error:
-                    where = f"{path}, line {node.lineno}"
-                    raise NpfmError(f"{where}: {key} is no literal; write it out") from error
-    return constants
 
 
 def declared(name: str) -> Model:

@@ -14,20 +14,15 @@ from npfm.reflectance.half_difference import Grid
 from npfm.rendering.effects import EFFECTS
 from npfm.rendering.geometry import Shape
 from npfm.rendering.lights.environment import LUMINANCE, Environment
-from npfm.rendering.sampling.strategies import (
-    HalfVectorSampling,
-    LightSampling,
-    Strategy,
-    combine,
-    low_discrepancy,
-    rotate,
-)
+from npfm.rendering.sampling.combination import combine
+from npfm.rendering.sampling.half_vector import HalfVectorSampling
+from npfm.rendering.sampling.light import LightSampling
+from npfm.rendering.sampling.low_discrepancy import low_discrepancy, rotate
+from npfm.rendering.sampling.strategy import Strategy
 from npfm.rendering.scenes import CAMERA, Scene, place
 from npfm.rendering.surfaces import Surface, look
 from npfm.rendering.transport import Transport
 
-#: Ways of choosing light directions, by the name that `build` knows them by.
-STRATEGIES = ("light", "half-vector")
 #: Samples of a strategy treated at once, at about a kilobyte of working memory each.
 BLOCK = 1 << 17
 #: A pixel gets up to this many times the usual number of samples, in proportion to the light that
@@ -48,6 +43,7 @@ class Setup:
     obstacles: Sequence[Callable[[Sequence[Shape], NDArray, NDArray, NDArray], NDArray]]
     environment: Environment
     strategies: Sequence[Strategy]
+    power: float
     grid: Grid
     offsets: NDArray[np.float64]
     shifts: NDArray[np.float64]
@@ -61,7 +57,8 @@ def build(
     resolution: int,
     samples: int,
     seed: int,
-    sampling: Sequence[str] = STRATEGIES,
+    strategies: Sequence[Strategy] = (),
+    power: float = 1.0,
     counts: Counter[str] | None = None,
 ) -> Transport:
     """Build the transport matrix of a scene in a light.
@@ -80,8 +77,10 @@ def build(
         average is at most twice this number.
     seed : int
         Of the rotations that make the errors of pixels independent.
-    sampling : sequence of str
-        Which of `STRATEGIES`; several are combined by the balance heuristic.
+    strategies : sequence of Strategy
+        Ways of choosing light directions; those of `light` and `half_vector` if none is given.
+    power : float
+        Of the heuristic that combines them; 1 is the balance heuristic.
     counts : Counter, optional
         What is added to: its `rays` by the number of shadow rays, that is, of pairs of a surface
         point and a light direction that are asked about, whatever the number of objects.
@@ -92,8 +91,8 @@ def build(
         If the samples do not suffice for one of each strategy per camera ray, the mesh of the
         scene cannot be used, or the picture is too small to show the objects.
     """
-    known = {"light": LightSampling(environment), "half-vector": HalfVectorSampling(grid)}
-    setup = _prepare(scene, environment, grid, resolution, seed, [known[s] for s in sampling])
+    strategies = strategies or (LightSampling(environment), HalfVectorSampling(grid))
+    setup = _prepare(scene, environment, grid, resolution, seed, strategies, power)
     if counts is not None:
         setup = replace(setup, counts=counts)
     least = len(setup.offsets) * len(setup.strategies)
@@ -125,6 +124,7 @@ def _prepare(
     resolution: int,
     seed: int,
     strategies: Sequence[Strategy],
+    power: float,
 ) -> Setup:
     effects = [EFFECTS[name] for name in scene.simulated]
     offsets = np.array([[0.5, 0.5]])
@@ -135,6 +135,7 @@ def _prepare(
         obstacles=[effect.reaches for effect in effects if effect.reaches],
         environment=environment,
         strategies=strategies,
+        power=power,
         grid=grid,
         offsets=offsets,
         shifts=np.random.default_rng(seed).random((len(strategies), resolution**2, 1, 2)),
@@ -149,8 +150,8 @@ def _multiples(surface: Surface, environment: Environment, grid: Grid) -> NDArra
     shown = np.empty(len(surface))
     step = BLOCK // HIGHLIGHT_SAMPLES
     for part in (slice(first, first + step) for first in range(0, len(surface), step)):
-        view, normal = surface.view[part], surface.normal[part]
-        light = strategy.sample(np.broadcast_to(u, (len(view), *u.shape)), view, normal)
+        points = surface[part]
+        light = strategy.sample(np.broadcast_to(u, (len(points), *u.shape)), points)
         shown[part] = (environment.lookup(light) @ LUMINANCE).mean(axis=1)
     ratio = np.clip(shown / max(shown.mean(), np.finfo(float).tiny), 1, MOST_MULTIPLE)
     return 2 ** np.log2(ratio).astype(int)
@@ -186,7 +187,7 @@ def _gather(surface: Surface, count: int, setup: Setup) -> tuple[NDArray, NDArra
     """
     u = _points(len(setup.offsets), count)[surface.ray]
     points = [rotate(u, shift[surface.pixel]) for shift in setup.shifts]
-    light, density = combine(setup.strategies, points, surface.view, surface.normal)
+    light, density = combine(setup.strategies, points, surface, setup.power)
     # Cosines of the light with normal and view, and the volume the three vectors span.
     span = [surface.normal, surface.view, np.cross(surface.normal, surface.view)]
     cosines = light @ np.stack(span, axis=-1)
@@ -197,7 +198,7 @@ def _gather(surface: Surface, count: int, setup: Setup) -> tuple[NDArray, NDArra
         setup.counts["rays"] += len(at)
         at, sample = at[free], sample[free]
     cos_i, cos_io, volume = cosines[at, sample].T
-    cos_o = np.einsum("ij,ij->i", surface.normal, surface.view)[at]
+    cos_o = surface.cos_o[at]
     factor = cos_i / (density[at, sample] * len(setup.offsets))
     weights = setup.environment.lookup(light[at, sample]).T * factor
     return surface.pixel[at], cells(setup.grid, cos_i, cos_o, cos_io, volume), weights

@@ -14,6 +14,8 @@ from npfm.rendering.effects import EFFECTS, check_effects
 from npfm.rendering.geometry import Shape, Sphere
 
 OBJECTS = ("figure", "sphere")
+#: Strategies that a scene is sampled by if it names no others.
+STRATEGIES = ("light", "half-vector")
 #: Far enough for a sphere of radius 1 to fill nine tenths of the field, and for a figure of
 #: height 2 to do the same.
 CAMERA = Camera(distance=4.4, field=np.radians(30))

@@ -9,37 +9,30 @@ from numpy.typing import NDArray
 from npfm.rendering.camera import Camera
 from npfm.rendering.geometry import Shape, nearest
 from npfm.rendering.lights.environment import Environment
+from npfm.rendering.shading import Shading
 
 #: Smallest cosine between view and shading normal. Normals that lean farther away from the
 #: viewer, as smooth normals do at silhouettes, are bent back to it (88.9 degrees).
 GRAZING = 0.02
 
 
-@dataclass(frozen=True)
-class Surface:
+@dataclass(frozen=True, kw_only=True)
+class Surface(Shading):
     """Points where camera rays meet objects, in the order of their pixels.
 
     Parameters
     ----------
     pixel, ray : ndarray of int, shape (p,)
         Number of the pixel, and of the camera ray among those of the pixel.
-    position, geometric, normal, view : ndarray, shape (p, 3)
-        The point, the unit normal of the object there, the unit normal for shading, and the unit
-        direction to the camera, with which both normals have a positive cosine.
+    position, geometric : ndarray, shape (p, 3)
+        The point, and the unit normal of the object there. It has a positive cosine with the view,
+        as the normal for shading has.
     """
 
     pixel: NDArray[np.int64]
     ray: NDArray[np.int64]
     position: NDArray[np.float64]
     geometric: NDArray[np.float64]
-    normal: NDArray[np.float64]
-    view: NDArray[np.float64]
-
-    def __len__(self) -> int:
-        return len(self.pixel)
-
-    def __getitem__(self, chosen: slice | NDArray) -> "Surface":
-        return Surface(*(values[chosen] for values in vars(self).values()))
 
 
 def look(
@@ -79,7 +72,14 @@ def look(
     view = -direction[hit]
     position = camera.position - hits.distance[hit, None] * view
     shading = towards(hits.shading[hit], view, GRAZING)
-    surface = Surface(pixel, ray, position, hits.geometric[hit], shading, view)
+    surface = Surface(
+        normal=shading,
+        view=view,
+        pixel=pixel,
+        ray=ray,
+        position=position,
+        geometric=hits.geometric[hit],
+    )
     coverage = hit.reshape(resolution, resolution, rays).mean(axis=2)
     backdrop = light.reshape(resolution, resolution, rays, 3).mean(axis=2)
     return surface, coverage.astype(np.float32), backdrop.astype(np.float32)

@@ -103,16 +103,24 @@ class Plan:
 
         The reference has other random numbers than what is compared with it.
         """
-        config, scene = self.run.config, self.scene
-        asked, seed = config["accuracy_cost"], 1
+        seed = 2 if build == "reference" else 1
+        return f"{self._scene_run(build).scene_options(self.scene)} --seed {seed}"
+
+    def scene_code(self, build: str) -> str:
+        """Digest of the code that builds a scene folder."""
+        return self._scene_run(build).scene_code(self.scene)
+
+    def _scene_run(self, build: str) -> Run:
+        """The run with the scene as it is built in a folder."""
+        asked = self.run.config["accuracy_cost"]
         name, _, samples = build.rpartition("-")
         if build == "reference":
-            name, samples, seed = "combined", asked["reference_samples"], 2
-        scenes = {scene: config["scenes"][scene] | {"samples": samples}}
+            name, samples = "combined", asked["reference_samples"]
+        described = self.run.config["scenes"][self.scene]
+        sampling = described.get("sampling", {}) | {"strategies": SAMPLINGS[name]}
+        scenes = {self.scene: described | {"samples": samples, "sampling": sampling}}
         changes = {"resolution": asked["resolution"], "scenes": scenes}
-        run = replace(self.run, config={**config, **changes})
-        sampling = " ".join(SAMPLINGS[name])
-        return f"{run.scene_options(self.scene)} --seed {seed} --sampling {sampling}"
+        return replace(self.run, config={**self.run.config, **changes})
 
 
 def plan(run: Run) -> Plan:

@@ -18,7 +18,8 @@ from npfm.errors import NpfmError, suggest
 from npfm.fitting import registry
 from npfm.fitting.registry import Model
 from npfm.fitting.solvers.choice import SOLVERS
-from npfm.rendering.scenes import Scene
+from npfm.rendering.sampling import registry as sampling
+from npfm.rendering.scenes import STRATEGIES, Scene
 from npfm.run.provenance import digest
 
 SCHEMA = Path(__file__).parents[2] / "workflow" / "schemas" / "config.schema.yaml"
@@ -197,7 +198,14 @@ class Run:
             + (f" --effects {effects}" if effects else "")
             + "".join(f" --mesh '{mesh}'" for mesh in self.mesh(scene))
             + f" --resolution {self.config['resolution']} --samples {described['samples']}"
+            + _sampling_options(described.get("sampling", {}))
         )
+
+    def scene_code(self, scene: str) -> str:
+        """Digest of the code that builds a scene, with the strategies that it is sampled by."""
+        chosen = self.config["scenes"][scene].get("sampling", {}).get("strategies", STRATEGIES)
+        entries = ("npfm.rendering.assembly", "npfm.rendering.transport", *sampling.modules(chosen))
+        return digest(entries, ("npfm.commands.scene",))
 
 
 def prefer_this_python() -> None:
@@ -261,9 +269,18 @@ def _scene(described: Mapping[str, Any]) -> Scene:
     return Scene(tuple(described["objects"]), tuple(described["effects"]))
 
 
+def _sampling_options(said: Mapping[str, Any]) -> str:
+    """Arguments of ``npfm scene`` for what a scene says of its sampling, if anything."""
+    strategies = " ".join(said.get("strategies", ()))
+    return (f" --sampling {strategies}" if strategies else "") + (
+        f" --power {said['power']}" if "power" in said else ""
+    )
+
+
 def _check_scene(name: str, described: Mapping[str, Any]) -> None:
     try:
         _scene(described)
+        sampling.check_scene(described.get("sampling", {}).get("strategies", STRATEGIES))
     except NpfmError as error:
         raise NpfmError(f"config: scenes/{name}: {error}") from error
 

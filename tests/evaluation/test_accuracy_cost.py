@@ -23,6 +23,8 @@ from npfm.reflectance.table import CHANNELS, INVALID, Table
 from npfm.rendering import assembly, transport
 from npfm.rendering.lights import environment
 from npfm.rendering.lights.environment import Environment
+from npfm.rendering.sampling import registry
+from npfm.rendering.sampling.strategy import Given
 from npfm.rendering.scenes import Scene
 from npfm.rendering.transport import Transport
 from npfm.run.accuracy_cost import plan
@@ -86,8 +88,9 @@ def test_the_reference_has_more_samples_and_other_random_numbers():
     made = planned()
     assert len(made.builds) == 3 * 5
     options = made.scene_options("half-vector-64")
-    assert "--samples 64 --seed 1 --sampling half-vector" in options
-    assert "--resolution 32 --samples 32768 --seed 2" in made.scene_options("reference")
+    assert "--samples 64 --sampling half-vector --seed 1" in options
+    reference = "--resolution 32 --samples 32768 --sampling light half-vector --seed 2"
+    assert reference in made.scene_options("reference")
 
 
 def test_an_unknown_scene_is_refused():
@@ -249,7 +252,8 @@ def test_either_way_of_sampling_alone_estimates_the_same_picture():
     scene = Scene(("sphere",))
 
     def brightness(samples, *sampling):
-        built = assembly.build(scene, light, grid, 8, samples, 1, sampling or assembly.STRATEGIES)
+        strategies = registry.make(sampling, Given(light, grid))
+        built = assembly.build(scene, light, grid, 8, samples, 1, strategies)
         return transport.render(built, white)[built.foreground][:, :3].mean()
 
     combined = brightness(1024)

@@ -180,3 +180,32 @@ def test_the_conda_environment_lists_the_same_dependencies_as_the_package():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     environment = yaml.safe_load((ROOT / "workflow" / "envs" / "npfm.yaml").read_text())
     assert environment["dependencies"][-1]["pip"] == project["dependencies"]
+
+
+def test_a_scene_may_say_how_it_is_sampled():
+    plain = check(DEFAULT)
+    usual = plain.scene_options("A")
+    assert "--sampling" not in usual and "--power" not in usual
+    sampling = {"strategies": ["light", "cosine"], "power": 2}
+    run = check(configured(scenes={"A": {"sampling": sampling}}))
+    assert run.scene_options("A") == usual + " --sampling light cosine --power 2"
+    assert run.scene_options("D") == plain.scene_options("D")
+    assert run.scene_code("A") != plain.scene_code("A")
+    assert run.scene_code("D") == plain.scene_code("D")
+    only = check(configured(scenes={"A": {"sampling": {"power": 2}}}))
+    assert only.scene_options("A") == usual + " --power 2"
+    assert only.scene_code("A") == plain.scene_code("A")
+
+
+@pytest.mark.parametrize(
+    ("sampling", "said"),
+    [
+        ({"strategies": ["cosin"]}, "scenes/A: unknown strategy 'cosin'; did you mean cosine"),
+        ({"strategies": []}, "scenes/A/sampling/strategies"),
+        ({"power": 0}, "scenes/A/sampling/power"),
+        ({"exponent": 2}, "scenes/A/sampling: unknown key 'exponent'"),
+    ],
+)
+def test_a_wrong_sampling_is_refused(sampling, said):
+    with pytest.raises(NpfmError, match=said):
+        check(configured(scenes={"A": {"sampling": sampling}}))

@@ -4,6 +4,7 @@ import shutil
 import pytest
 
 from npfm.fitting import registry
+from npfm.rendering.sampling import registry as sampling
 from npfm.run import provenance
 
 PACKAGE = provenance.PACKAGE
@@ -110,14 +111,14 @@ def names(file):
         yield getattr(node, "id", None) or getattr(node, "attr", None)
 
 
-def test_only_models_are_imported_by_name():
+def test_only_models_and_strategies_are_imported_by_name():
     """A digest cannot follow such an import, and has to refuse whatever leads to it."""
     by_name = {
         str(file.relative_to(PACKAGE))
         for file in PACKAGE.rglob("*.py")
         if {"__import__", "import_module", "exec", "eval"} & set(names(file))
     }
-    assert by_name == {"fitting/registry.py"}
+    assert by_name == {"fitting/registry.py", "rendering/sampling/registry.py"}
     with pytest.raises(ValueError, match=r"npfm\.fitting\.registry imports by name"):
         provenance.digest(("npfm.commands.sources",))
 
@@ -125,3 +126,8 @@ def test_only_models_are_imported_by_name():
 def test_every_model_can_be_digested():
     for model in registry.models().values():
         assert model.module in provenance.closure([model.module])
+
+
+def test_every_strategy_can_be_digested():
+    for strategy in sampling.strategies().values():
+        assert strategy.module in provenance.closure([strategy.module])

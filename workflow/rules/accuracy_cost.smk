@@ -91,7 +91,7 @@ rule accuracy_cost_scene:
         mem_mb=3000,
         runtime=20,
     params:
-        code=SCENE_CODE,
+        code=lambda wildcards: COST.scene_code(wildcards.build),
         options=lambda wildcards: COST.scene_options(wildcards.build),
     shell:
         "python -m npfm scene --light {input.light} {params.options}"

@@ -20,7 +20,7 @@ use rule scene as effects_scene with:
     wildcard_constraints:
         effect="[^/.]+",
     params:
-        code=SCENE_CODE,
+        code=lambda wildcards: RUN.scene_code(wildcards.scene),
         options=lambda wildcards: EFFECTS.scene_options(
             wildcards.scene, wildcards.effect
         ),

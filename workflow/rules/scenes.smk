@@ -1,9 +1,5 @@
 import re
 
-SCENE_CODE = digest(
-    ("npfm.rendering.assembly", "npfm.rendering.transport"), ("npfm.commands.scene",)
-)
-
 
 rule light:
     input:
@@ -41,7 +37,7 @@ rule scene:
         mem_mb=3000,
         runtime=20,
     params:
-        code=SCENE_CODE,
+        code=lambda wildcards: RUN.scene_code(wildcards.scene),
         options=lambda wildcards: RUN.scene_options(wildcards.scene),
     shell:
         "python -m npfm scene --light {input.light} {params.options}"

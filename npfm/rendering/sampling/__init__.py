@@ -1,1 +1,1 @@
-"""Ways of choosing light directions."""
+"""Ways of choosing light directions: one file a strategy, and how several are combined."""

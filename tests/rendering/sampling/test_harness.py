@@ -1,0 +1,141 @@
+"""What every strategy has to do. A new file in npfm/rendering/sampling is tested here as it is.
+
+A strategy that follows a material is made for `TABLE`, or for the arrays of a fit of it: give
+these by the strategy's name in `PARAMETERS`.
+"""
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+from shaded import about_mirror, above_horizon, point
+
+from npfm.reflectance.angles import half_difference
+from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.table import INVALID, Table
+from npfm.rendering.lights.environment import Environment
+from npfm.rendering.sampling import registry
+from npfm.rendering.sampling.strategy import Given
+
+GRID = Grid(18, 18, 36)
+VIEWS = [0.0, 30.0, 65.0, 85.0]
+#: Arrays of a fit of `TABLE`, for the strategies that need one.
+PARAMETERS: dict[str, dict[str, np.ndarray]] = {}
+
+
+def table():
+    """A lobe of 0.2 rad that rises to grazing angles, on a diffuse part of 0.1 1/sr."""
+    theta_h, theta_d = GRID.theta_h[:, None, None], GRID.theta_d[:, None]
+    lobe = 4 * np.exp(-((theta_h / 0.2) ** 2)) * (0.1 + 0.9 * (1 - np.cos(theta_d)) ** 5)
+    values = np.broadcast_to(0.1 + lobe, (3, *GRID.shape))
+    return Table(np.where(GRID.above_horizon, values, INVALID), GRID)
+
+
+TABLE = table()
+LIGHT = Environment(np.random.default_rng(5).random((16, 32, 3)) ** 4)
+
+
+def reflected(light, at):
+    """Light that a point reflects to the camera, by direction of the light (n, 3)."""
+    cell = GRID.cell(*half_difference(light, at.view, at.normal))
+    brdf = np.maximum(TABLE.values[1].ravel()[cell], 0)
+    return LIGHT.lookup(light)[..., 1] * brdf * np.maximum(light @ at.normal[0], 0)
+
+
+@pytest.fixture(params=list(registry.strategies()))
+def strategy(request):
+    given = Given(LIGHT, GRID, TABLE, PARAMETERS.get(request.param, {}))
+    (made,) = registry.make([request.param], given)
+    return made
+
+
+@pytest.fixture(params=VIEWS)
+def at(request):
+    return point(request.param)
+
+
+def drawn(strategy, at, count, seed=1):
+    """Independent samples (count, 3), and their densities (count,)."""
+    u = np.random.default_rng(seed).random((1, count, 2))
+    light = strategy.sample(u, at)
+    return light[0], strategy.pdf(light, at)[0]
+
+
+def test_samples_are_unit_vectors_with_a_density(strategy, at):
+    light, density = drawn(strategy, at, 50_000)
+    assert light.shape == (50_000, 3) and density.shape == (50_000,)
+    np.testing.assert_allclose(np.linalg.norm(light, axis=1), 1, rtol=1e-9)
+    assert np.isfinite(density).all() and (density >= 0).all()
+    # Rounding may move a sample over the edge of what has a density.
+    above = light @ at.normal[0] > 1e-6
+    assert (density[above] > 0).mean() > 0.9999
+
+
+def test_corners_of_the_unit_square_have_directions(strategy, at):
+    below = np.nextafter(1, 0)
+    corners = np.array([[[0, 0], [0, below], [below, 0], [below, below]]])
+    light = strategy.sample(corners, at)
+    np.testing.assert_allclose(np.linalg.norm(light[0], axis=1), 1, rtol=1e-9)
+    assert np.isfinite(strategy.pdf(light, at)).all()
+
+
+def test_density_and_the_share_below_the_horizon_make_one(strategy, at):
+    light, measure = above_horizon(at)
+    above = strategy.pdf(light[None], at)[0] @ measure
+    samples, _ = drawn(strategy, at, 400_000)
+    lost = (samples @ at.normal[0] <= 0).mean()
+    assert above + lost == pytest.approx(1, abs=0.005)
+
+
+def bins(light, at):
+    """Patches about the mirror direction, narrow near to it: number of the patch, (n,)."""
+    x, y, z = np.clip(about_mirror(at).view_frame[0] @ light.T, -1, 1)
+    ring = np.minimum((np.sqrt(np.arccos(z) / np.pi) * 14).astype(int), 13)
+    sector = ((np.arctan2(y, x) + np.pi) / (2 * np.pi) * 12).astype(int) % 12
+    return ring * 12 + sector
+
+
+def test_samples_follow_the_density_by_chi_square(strategy, at):
+    count = 20_000
+    light, measure = above_horizon(at, 1 << 20)
+    weight = strategy.pdf(light[None], at)[0] * measure
+    expected = count * np.bincount(bins(light, at), weight, minlength=14 * 12)
+    samples, _ = drawn(strategy, at, count)
+    samples = samples[samples @ at.normal[0] > 0]
+    found = np.bincount(bins(samples, at), minlength=14 * 12)
+    many = expected >= 8
+    assert many.sum() > 20
+    # What little is expected elsewhere makes a bin of its own.
+    expected = np.append(expected[many], max(expected[~many].sum(), 1))
+    found = np.append(found[many], found[~many].sum())
+    statistic = ((found - expected) ** 2 / expected).sum()
+    assert chi2.sf(statistic, len(expected)) > 1e-4
+
+
+def test_mean_of_samples_is_the_integral(strategy, at):
+    light, measure = above_horizon(at)
+    integral = reflected(light, at) @ measure
+    samples, density = drawn(strategy, at, 100_000, seed=2)
+    counts = density > 0
+    values = np.where(counts, reflected(samples, at) / np.where(counts, density, 1), 0)
+    error = values.std() / np.sqrt(len(values))
+    assert values.mean() == pytest.approx(integral, abs=4 * error + 2e-3 * integral)
+
+
+def test_no_light_is_reflected_where_the_density_is_zero(strategy, at):
+    light, measure = above_horizon(at)
+    energy = reflected(light, at) * measure
+    unseen = strategy.pdf(light[None], at)[0] == 0
+    assert energy[unseen].sum() <= 1e-6 * energy.sum()
+
+
+def test_points_are_treated_each_for_itself(strategy):
+    one, other = point(20.0), point(70.0, (-0.3, 0.1, 0.8))
+    parts = {name: np.concatenate([vars(one)[name], vars(other)[name]]) for name in vars(one)}
+    both = type(one)(**parts)
+    u = np.random.default_rng(3).random((2, 50, 2))
+    light = strategy.sample(u, both)
+    density = strategy.pdf(light, both)
+    for k, at in enumerate((one, other)):
+        alone = strategy.sample(u[k : k + 1], at)
+        np.testing.assert_allclose(light[k : k + 1], alone, atol=1e-12)
+        np.testing.assert_allclose(density[k : k + 1], strategy.pdf(alone, at), rtol=1e-6)
