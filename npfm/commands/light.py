@@ -5,13 +5,15 @@ import argparse
 from npfm.commands.numbers import whole
 from npfm.errors import NpfmError
 from npfm.rendering.lights import environment
+from npfm.storage.bounds import check_size
 
 EXAMPLE = """\
 examples:
   python -m npfm light grace_probe.hdr --layout angular-map --height 512 -o grace.exr
   python -m npfm light --generate grove --height 512 -o grove.exr
 The result is a lat-long map of HEIGHT x 2 HEIGHT texels of linear radiance; its centre is the
-direction the camera looks in.
+direction the camera looks in. What is read of .hdr and .exr files, and what is refused, is told in
+docs/data.md.
 """
 
 
@@ -28,6 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Convert or generate."""
+    check_size(arguments.output, 2 * arguments.height, arguments.height)
     if arguments.generate:
         from npfm.rendering.lights.generated import generate
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.evaluation.metrics import psnr
-from npfm.storage.pictures import read_exr
+from npfm.storage.pictures import read_exr, windows
 
 
 def read_reference(path: str | Path) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
@@ -55,6 +55,7 @@ def decibels(reference: str | Path, pictures: Iterable[str | Path]) -> list[floa
     values = []
     for path in pictures:
         picture = read_exr(path)
+        _check_windows(reference, path)
         try:
             values.append(psnr(picture[..., :3], measured, foreground))
         except ValueError as error:
@@ -62,3 +63,14 @@ def decibels(reference: str | Path, pictures: Iterable[str | Path]) -> list[floa
                 f"{path}: cannot be compared with {reference} ({error}); render both again"
             ) from error
     return values
+
+
+def _check_windows(reference: str | Path, path: str | Path) -> None:
+    """Refuse a picture of another place, or with pixels where the reference has none."""
+    for what, ours, theirs in zip(
+        ("shows", "has the pixels of"), windows(path), windows(reference), strict=True
+    ):
+        if ours != theirs:
+            raise NpfmError(
+                f"{path}: {what} {ours}, {reference} {theirs}; compare pictures of one window"
+            )

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import OpenEXR
@@ -10,13 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from npfm.errors import NpfmError
+from npfm.storage import exr, hdr
 from npfm.storage.files import replacing
 
-if TYPE_CHECKING:
-    from OpenImageIO import ImageInput
-
-#: What people call the formats that OpenImageIO calls so.
-FORMAT_NAMES = {"openexr": "OpenEXR", "hdr": "HDR (Radiance RGBE)"}
+#: Formats that hold radiance: how their files begin, and what reads them.
+READERS = {"OpenEXR": (exr.MAGIC, exr.read), "HDR (Radiance RGBE)": (hdr.MAGIC, hdr.read)}
 
 
 def write_exr(
@@ -67,12 +64,12 @@ def _channels(pixels: ArrayLike) -> dict[str, NDArray[np.float32]]:
 
 
 def read_exr(path: str | Path) -> NDArray[np.float32]:
-    """Read the first part of an OpenEXR file, as `read_radiance` does."""
-    return read_radiance(path, ("openexr",))
+    """Read the picture of an OpenEXR file, as `read_radiance` does."""
+    return read_radiance(path, ("OpenEXR",))
 
 
 def read_radiance(
-    path: str | Path, formats: tuple[str, ...] = ("openexr", "hdr")
+    path: str | Path, formats: tuple[str, ...] = ("OpenEXR", "HDR (Radiance RGBE)")
 ) -> NDArray[np.float32]:
     """Read a picture of linear radiance.
 
@@ -81,54 +78,49 @@ def read_radiance(
     path : str or Path
         The file to read.
     formats : tuple of str
-        The formats that will do, by OpenImageIO's names; both of those that hold radiance.
+        The formats that will do, of `READERS`; both of them.
 
     Returns
     -------
     ndarray, shape (height, width, 3) or (height, width, 4)
-        RGB or RGBA of the first part; row 0 is the top.
+        RGB or RGBA over the display window; row 0 is the top. Of an OpenEXR file with several
+        layers or parts, `npfm.storage.exr.read` tells which.
 
     Raises
     ------
     NpfmError
-        If the file is absent, of another format, damaged, or has no red, green and blue.
+        If the file is absent, of another format, damaged, too large, or has no red, green and
+        blue of linear radiance.
     """
-    return _pixels(_opened(Path(path), formats), Path(path), 0)
+    path = Path(path)
+    return READERS[_format(path, formats)][1](path)
 
 
 def read_exr_parts(path: str | Path) -> dict[str, NDArray[np.float32]]:
     """Read the pictures that `write_exr_parts` wrote, by name; errors as in `read_radiance`."""
-    path, parts = Path(path), {}
-    file = _opened(path, ("openexr",))
-    while file.seek_subimage(len(parts), 0):
-        name = file.spec().getattribute("name")
-        parts[name] = _pixels(file, path, len(parts))
-    return parts
+    path = Path(path)
+    _format(path, ("OpenEXR",))
+    return exr.read_parts(path)
 
 
-def _opened(path: Path, formats: tuple[str, ...]) -> "ImageInput":
-    # Only reading needs it, and rendering does not read: the import takes some milliseconds.
-    import OpenImageIO as oiio
+def windows(path: str | Path) -> tuple[exr.Window, exr.Window]:
+    """Display window of an OpenEXR picture, and the window of its pixels that are stored."""
+    path = Path(path)
+    _format(path, ("OpenEXR",))
+    return exr.windows(path)
 
-    wanted = " or ".join(FORMAT_NAMES[name] for name in formats)
+
+def _format(path: Path, formats: tuple[str, ...]) -> str:
+    """Which of the formats a file is of, by its first bytes."""
+    wanted = " or ".join(formats)
     if not path.is_file():
         raise NpfmError(f"{path}: no such file; give the path of an {wanted} picture")
-    file = oiio.ImageInput.open(str(path))
-    if file is None or file.format_name() not in formats:
-        oiio.geterror()  # An error that nobody fetches is printed at exit.
-        raise NpfmError(f"{path}: not an {wanted} file, or cut off; give a picture in that format")
-    return file
-
-
-def _pixels(file: "ImageInput", path: Path, part: int) -> NDArray[np.float32]:
-    """Pixels of a part of an open file."""
-    names = file.spec().channelnames
-    if names[:3] != ("R", "G", "B"):
-        raise NpfmError(f"{path}: channels {', '.join(names)}; red, green and blue are needed")
-    pixels = file.read_image(part, 0, 0, 4 if names[3:4] == ("A",) else 3, "float")
-    if pixels is None or file.geterror():
-        raise NpfmError(f"{path}: cut off or damaged; copy or make the file again")
-    return pixels
+    with path.open("rb") as file:
+        start = file.read(4)
+    for name in formats:
+        if start.startswith(READERS[name][0]):
+            return name
+    raise NpfmError(f"{path}: not an {wanted} file, or cut off; give a picture in that format")
 
 
 def tone_map(radiance: ArrayLike, exposure: float, gamma: float) -> NDArray[np.uint8]:

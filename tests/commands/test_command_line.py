@@ -100,6 +100,7 @@ def test_missing_samples_are_black_in_the_picture_of_a_fit(folder):
         ("fit {folder}/chalk.binary -o {out}", "required: --model"),
         ("material --synthetic chalk --seed x -o {out}", "--seed: 'x'"),
         ("light {folder}/grove.exr --layout lat-long --height 0 -o {out}", "--height: '0'"),
+        ("light --generate grove --height 9999999 -o {out}", "19999998 x 9999999 pixels"),
         ("light {folder}/grove.exr -o {out}", "give --layout angular-map or lat-long"),
         ("scene --light {folder}/grove.exr --objects sphere --samples 0 -o {out}", "--samples"),
         ("render {folder}/scene {folder}/chalk.npz --gamma 0 -o {out}", "--gamma: '0'"),
