@@ -3,6 +3,9 @@
 import argparse
 import os
 import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import ModuleType
 from typing import NoReturn
 
@@ -11,7 +14,7 @@ from typing import NoReturn
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_variable] = "1"
 
-from npfm.errors import NpfmError  # noqa: E402
+from npfm.errors import NpfmError, NpfmWarning  # noqa: E402
 
 VERBS = {
     "material": "write one material of a dataset as a MERL .binary file",
@@ -75,6 +78,22 @@ class _Parser(argparse.ArgumentParser):
         raise NpfmError(f"{message}; see {self.prog} --help")
 
 
+@contextmanager
+def _warnings_in_one_line(verb: str) -> Iterator[None]:
+    """Print what is meant for the user without the line of code that warns."""
+    with warnings.catch_warnings():
+        shown = warnings.showwarning
+
+        def show(message, category, *more) -> None:
+            if issubclass(category, NpfmWarning):
+                print(f"npfm {verb}: warning: {message}", file=sys.stderr)
+            else:
+                shown(message, category, *more)
+
+        warnings.showwarning = show
+        yield
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run a verb; return the exit code (1 for a mistake in the input, told in one line)."""
     arguments = sys.argv[1:] if arguments is None else arguments
@@ -91,7 +110,8 @@ def main(arguments: list[str] | None = None) -> int:
             _command(verb).add_arguments(chosen)
     try:
         parsed = parser.parse_args(arguments)
-        _command(parsed.verb).run(parsed)
+        with _warnings_in_one_line(parsed.verb):
+            _command(parsed.verb).run(parsed)
     except (NpfmError, OSError) as error:
         named = [verb for verb in arguments[:1] if verb in VERBS]
         print(f"{' '.join(['npfm', *named])}: {error}", file=sys.stderr)

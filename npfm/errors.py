@@ -1,4 +1,4 @@
-"""The one exception that is meant for the user's eyes, and hints to go with it."""
+"""The exception and the warning that are meant for the user's eyes, and hints to go with them."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -9,6 +9,10 @@ class NpfmError(Exception):
 
     The command line prints the message without a traceback and exits with code 1.
     """
+
+
+class NpfmWarning(UserWarning):
+    """What the user should know though the work goes on; the command line prints it as one line."""
 
 
 #: So many names are listed in a message rather than the nearest of them.

@@ -1,5 +1,7 @@
 """``npfm fit``, ``npfm tabulate`` and ``npfm material``, as a person calls them."""
 
+import os
+import shutil
 import struct
 import subprocess
 import sys
@@ -30,6 +32,21 @@ def felt(tmp_path_factory):
     path = tmp_path_factory.mktemp("brdfs") / "felt.binary"
     write_binary(path, Table(np.where(present, value * colours, -1.0)))
     return path
+
+
+@pytest.fixture
+def nowhere_to_cache(tmp_path):
+    """Environment of a copy of the package beside which, as anywhere, no folder can be made."""
+    shutil.copytree(ROOT / "npfm", tmp_path / "npfm", ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "npfm" / "fitting" / "factors" / "__pycache__").touch()
+    (tmp_path / "file").touch()
+    environment = {key: value for key, value in os.environ.items() if key != "HOME"}
+    folder = str(tmp_path / "file" / "cache")
+    return (
+        environment
+        | dict.fromkeys(("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"), folder)
+        | {"PYTHONPATH": str(tmp_path)}
+    )
 
 
 def run(capsys, *arguments):
@@ -288,3 +305,22 @@ def test_as_a_program(tmp_path):
     assert done.stderr.startswith(f"npfm fit: {absent}: no such file")
     assert done.stderr.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+def test_where_nothing_can_be_cached_a_fit_is_made_and_says_so(tmp_path, felt, nowhere_to_cache):
+    """As on a node of a cluster with a read-only home, or none."""
+    arguments = ["--variant", "g-from-d", "--max-iterations", "1", "-o", "felt.npz"]
+    ended = subprocess.run(
+        [sys.executable, "-m", "npfm", "fit", felt, *arguments],
+        cwd=tmp_path,
+        env=nowhere_to_cache,
+        capture_output=True,
+        text=True,
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert fits.load(tmp_path / "felt.npz").model == "g-from-d"
+    warned = [line for line in ended.stderr.splitlines() if "arning" in line]
+    assert len(warned) == 1
+    assert warned[0].startswith("npfm fit: warning: compiled code cannot be kept")
+    assert "NUMBA_CACHE_DIR" in warned[0]
+    assert "Traceback" not in ended.stderr

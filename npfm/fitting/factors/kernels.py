@@ -3,16 +3,52 @@
 These loops are where a fit spends its time; written with array operations they take several
 times as long (docs/performance.md). Samples lie as (theta_h * theta_d, phi_d) arrays; each reads
 G at theta_i and theta_o, linearly between the nodes `node` and `node + 1` at `part` of the way.
+
+They are compiled, or taken from numba's cache, when this module is imported: before any clock runs.
 """
+
+import warnings
+from collections.abc import Callable
+from functools import cache
+from typing import TypeVar
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from npfm.errors import NpfmWarning
+
 Array = NDArray[np.float64]
+Pass = TypeVar("Pass", bound=Callable)
+
+#: Types of what every pass takes: weight, weighted_value, node_i, part_i, node_o, part_o and
+#: inverse_cosines.
+SAMPLES = "f8[:,::1], f8[:,::1], i2[:,::1], f8[:,::1], i2[:,::1], f8[:,::1], f8[:,::1]"
+UNCACHED = (
+    "compiled code cannot be kept, and each process compiles for some seconds; "
+    "set NUMBA_CACHE_DIR to a folder that can be written"
+)
 
 
-@njit(cache=True)
+@cache
+def _warn_once() -> None:
+    warnings.warn(UNCACHED, NpfmWarning, stacklevel=1)
+
+
+def _compiled(signature: str) -> Callable[[Pass], Pass]:
+    """Return a decorator that compiles for a signature at once, cached where that is possible."""
+
+    def compiled(function: Pass) -> Pass:
+        try:
+            return njit(signature, cache=True)(function)
+        except (RuntimeError, OSError):  # numba finds no place for it, or the place is full
+            _warn_once()
+            return njit(signature)(function)
+
+    return compiled
+
+
+@_compiled(f"({SAMPLES}, f8[::1])")
 def kernel_sums(
     weight: Array,
     weighted_value: Array,
@@ -41,7 +77,7 @@ def kernel_sums(
     return wk, wkk, wrk
 
 
-@njit(cache=True)
+@_compiled(f"({SAMPLES}, f8[::1], f8, f8[::1])")
 def masking_shadowing_equations(
     weight: Array,
     weighted_value: Array,
@@ -90,7 +126,30 @@ def masking_shadowing_equations(
     return diagonal, beside, right
 
 
-@njit(cache=True)
+@_compiled("(f8[::1], f8[:,::1], f8[::1], i8, i8, f8, f8, f8)")
+def _eliminate(
+    gradient: Array,
+    matrix: Array,
+    row_g: Array,
+    lowest: int,
+    highest: int,
+    sum_wx: float,
+    sum_wxx: float,
+    sum_wxr: float,
+) -> None:
+    """Subtract what eliminating log B of a cell takes from the equations (Schur complement)."""
+    last = gradient.size - 1
+    gradient[last] -= sum_wx * sum_wxr / sum_wxx
+    matrix[last, last] -= sum_wx * sum_wx / sum_wxx
+    for k in range(lowest, highest + 1):
+        share = row_g[k] / sum_wxx
+        gradient[k] -= share * sum_wxr
+        matrix[k, last] -= share * sum_wx
+        for other in range(k, highest + 1):
+            matrix[k, other] -= share * row_g[other]
+
+
+@_compiled(f"({SAMPLES}, f8[:,::1], f8[::1], f8, b1)")
 def normal_equations(
     weight: Array,
     weighted_value: Array,
@@ -175,26 +234,3 @@ def normal_equations(
             matrix[h, nh + d] += sum_wxx
         row_g[lowest : highest + 1] = 0.0
     return gradient, matrix
-
-
-@njit(cache=True)
-def _eliminate(
-    gradient: Array,
-    matrix: Array,
-    row_g: Array,
-    lowest: int,
-    highest: int,
-    sum_wx: float,
-    sum_wxx: float,
-    sum_wxr: float,
-) -> None:
-    """Subtract what eliminating log B of a cell takes from the equations (Schur complement)."""
-    last = gradient.size - 1
-    gradient[last] -= sum_wx * sum_wxr / sum_wxx
-    matrix[last, last] -= sum_wx * sum_wx / sum_wxx
-    for k in range(lowest, highest + 1):
-        share = row_g[k] / sum_wxx
-        gradient[k] -= share * sum_wxr
-        matrix[k, last] -= share * sum_wx
-        for other in range(k, highest + 1):
-            matrix[k, other] -= share * row_g[other]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from npfm.datasets import synthetic
+from npfm.errors import NpfmWarning
 from npfm.fitting.factors import kernels
 from npfm.fitting.factors.microfacet import G_NODES, G_THETA, elevations, kernel, tabulate_channel
 from npfm.fitting.factors.problem import Factors, State
@@ -35,6 +36,31 @@ def microfacet(grid, D, F, G, rho_d, rho_s):
 def naive(grid, D, F, H, rho_d, rho_s):
     """Equation 4 at every cell."""
     return rho_d + rho_s * D[:, None, None] * F[:, None] * H
+
+
+PASSES = [kernels.kernel_sums, kernels.masking_shadowing_equations, kernels.normal_equations]
+
+
+@pytest.mark.parametrize("function", PASSES, ids=lambda function: function.__name__)
+def test_nothing_is_compiled_while_a_fit_is_timed(function):
+    """Each pass is there when its module is imported, and for no other types later."""
+    assert len(function.signatures) == 1
+    others = [np.float32(0)] * len(function.signatures[0])
+    with pytest.raises(TypeError, match="No matching definition"):
+        function(*others)
+    assert len(function.signatures) == 1
+
+
+def test_a_cache_that_is_full_is_done_without(monkeypatch):
+    def full(signature, cache=False):
+        if cache:
+            raise OSError(28, "No space left on device")
+        return lambda function: function
+
+    monkeypatch.setattr(kernels, "njit", full)
+    kernels._warn_once.cache_clear()
+    with pytest.warns(NpfmWarning, match="NUMBA_CACHE_DIR"):
+        assert kernels._compiled("f8(f8)")(abs) is abs
 
 
 VALUES = {IndependentGProblem: microfacet, GFromDProblem: microfacet, NaiveProblem: naive}
