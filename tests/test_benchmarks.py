@@ -1,6 +1,8 @@
 """What benchmarks read and conclude; what they measure is not a test."""
 
 import json
+import subprocess
+import sys
 from base64 import urlsafe_b64encode
 from pathlib import Path
 
@@ -89,3 +91,24 @@ def test_the_exponent_of_a_power_is_found():
     import scaling
 
     assert scaling.exponent([1, 2, 4], [3.0, 12.0, 48.0]) == pytest.approx(2)
+
+
+def test_fits_of_two_runs_are_compared_byte_by_byte(tmp_path):
+    for run, last in (("before", b"1"), ("after", b"2")):
+        for name, content in (("naive/a", b"0"), ("naive/b", last), (f"ggx/{run}", b"0")):
+            path = tmp_path / run / "fits" / f"{name}.npz"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+    call = [
+        sys.executable,
+        ROOT / "benchmarks/same_fits.py",
+        tmp_path / "before",
+        tmp_path / "after",
+    ]
+    done = subprocess.run(call, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert done.stdout.splitlines() == [
+        "ggx: 0 equal; in one run alone: ggx/after ggx/before",
+        "naive: 1 equal; different: naive/b",
+    ]
+    assert subprocess.run([*call[:3], call[2]], capture_output=True).returncode == 0
