@@ -118,13 +118,16 @@ def fits(model, grid):
         "g-from-d": dict.fromkeys("DF"),
         "naive": dict.fromkeys("DFH"),
         "bivariate-g": {"B": (nh, nd), "G": None},
+        "power-iteration": dict.fromkeys("DF"),
         "low-rank-b": {"U": (nh, 2), "V": (nd, 2), "G": None},
     }
     parts = {}
     for name, shape in shapes[model].items():
         elements = factor if shape is None else coefficient if name == "B" else signed
-        parts[name] = arrays(np.float32, (3, *(shape or (sizes[name],))), elements=elements)
-    if model != "bivariate":
+        channels = 1 if name in registry.declared(model).shared else 3
+        size = (channels, *(shape or (sizes[name],)))
+        parts[name] = arrays(np.float32, size, elements=elements)
+    if model not in registry.UNSEARCHED:
         parts["rho_d"] = arrays(np.float32, 3, elements=coefficient)
     if {"D", "F"} <= parts.keys():
         parts["rho_s"] = arrays(np.float32, 3, elements=coefficient)

@@ -19,6 +19,8 @@ from npfm.declarations import named_files
 from npfm.errors import NpfmError, suggest
 
 FOLDER = Path(__file__).parents[1] / "models"
+#: Non-parametric models that need none of our solvers.
+UNSEARCHED = ("bivariate", "power-iteration")
 #: What the module of a model has to have.
 INTERFACE = ("fit", "tabulate", "parameter_count")
 
@@ -105,8 +107,8 @@ def models() -> Mapping[str, Model]:
 
 
 def non_parametric() -> tuple[str, ...]:
-    """Return the models of free factors or tables: with our solvers, or in closed form."""
-    return tuple(name for name, model in models().items() if model.solver or name == "bivariate")
+    """Return the models of free factors or tables: with our solvers, or without any search."""
+    return tuple(name for name, model in models().items() if model.solver or name in UNSEARCHED)
 
 
 def declared(name: str) -> Model:
