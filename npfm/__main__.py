@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import ModuleType
-from typing import NoReturn
+from typing import NoReturn, TextIO
 
 # One job, one core, whatever the environment asks for: the workflow runs jobs side by side, and a
 # sum that several threads share would round differently. Libraries read these when they are loaded.
@@ -84,11 +84,18 @@ def _warnings_in_one_line(verb: str) -> Iterator[None]:
     with warnings.catch_warnings():
         shown = warnings.showwarning
 
-        def show(message, category, *more) -> None:
+        def show(
+            message: Warning | str,
+            category: type[Warning],
+            filename: str,
+            lineno: int,
+            file: TextIO | None = None,
+            line: str | None = None,
+        ) -> None:
             if issubclass(category, NpfmWarning):
                 print(f"npfm {verb}: warning: {message}", file=sys.stderr)
             else:
-                shown(message, category, *more)
+                shown(message, category, filename, lineno, file, line)
 
         warnings.showwarning = show
         yield

@@ -76,8 +76,9 @@ def read_psnr(path: str | Path) -> pd.DataFrame:
 
 def read_published(path: str | Path) -> pd.DataFrame:
     """Read the table of `npfm.papers.authors_distance`; errors are those of `read`."""
-    text, numbers = ["material", "channel"], ["published", "ours", "log_ratio", "log_error"]
-    return read(path, text, numbers, may_be_empty=True)
+    readings = ["published", "g_at_centres", "f_at_degrees"]
+    numbers = [*readings, "ours", "log_ratio", "log_error"]
+    return read(path, ["material", "channel"], numbers, may_be_empty=True)
 
 
 def psnr(

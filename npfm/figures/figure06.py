@@ -26,14 +26,15 @@ PUBLISHED = {"linewidth": 0.9, "linestyle": (0, (2.5, 1.2)), "alpha": 0.7}
 #: The scale of a curve is told from these: at greater angles next to no sample counts, and
 #: factors are clamped at 1e-6.
 LARGEST_ANGLE, LEAST = 80.0, 2e-6  # degrees; of the largest
-#: Angles of each row, in degrees. Where D is narrow, theta_i and theta_o are next to theta_d, and
-#: only the product of F and the square of G can be told from the measurement.
+#: Angles of each row of ours, in degrees. Where D is narrow, theta_i and theta_o are next to
+#: theta_d, and only the product of F and the square of G can be told from the measurement.
 ANGLES = {
     "D": np.degrees(MERL.theta_h),
     "G": np.degrees(MERL.theta_d),  # whose bins have the nodes of G at their centres
     "F": np.degrees(MERL.theta_d),
     "F G²": np.degrees(MERL.theta_d),
 }
+PUBLISHED_ANGLES = ANGLES | {"G": np.degrees(authors_factors.G_THETA)}
 LABELS = {
     "D": r"$\theta_h$ (degrees)",
     "G": r"$\theta_i$ or $\theta_o$ (degrees)",
@@ -71,8 +72,8 @@ def scaled(ours: NDArray, angles: NDArray) -> NDArray[np.float64]:
     return ours / ours[..., angles <= LARGEST_ANGLE].max()
 
 
-def scaled_to(published: NDArray, ours: NDArray, angles: NDArray) -> NDArray[np.float64]:
-    """Return a published factor in the scale of ours, which the model leaves free.
+def scale_to(published: NDArray, ours: NDArray, angles: NDArray) -> float:
+    """Return what brings a published factor to the scale of ours, which the model leaves free.
 
     Parameters
     ----------
@@ -83,12 +84,12 @@ def scaled_to(published: NDArray, ours: NDArray, angles: NDArray) -> NDArray[np.
 
     Returns
     -------
-    ndarray, shape (bins,)
-        `published` times a number: the median ratio is 1.
+    float
+        The median of ours / published.
     """
     counts = (angles <= LARGEST_ANGLE) & (ours > LEAST * ours.max())
     counts &= published > LEAST * np.nanmax(published)
-    return published * np.median(ours[counts] / published[counts])
+    return float(np.median(ours[counts] / published[counts]))
 
 
 def draw(ours: Mapping[str, Curves], published: Mapping[str, Curves]) -> Figure:
@@ -97,8 +98,8 @@ def draw(ours: Mapping[str, Curves], published: Mapping[str, Curves]) -> Figure:
     Parameters
     ----------
     ours, published : mapping of str to mapping of str to ndarray of shape (3, 90)
-        D, G and F of the channels by material, in any scale; published ones are drawn for the
-        materials that have them.
+        D, G and F of the channels by material, in any scale; published ones, as
+        `npfm.papers.authors_factors.read` returns them, are drawn for the materials that have them.
     """
     size = style.PAGE_WIDTH, PANEL_HEIGHT * len(ANGLES) + LEGEND_HEIGHT
     with style.context():
@@ -106,7 +107,7 @@ def draw(ours: Mapping[str, Curves], published: Mapping[str, Curves]) -> Figure:
         axes = figure.subplots(len(ANGLES), len(ours), sharex="row", sharey="row", squeeze=False)
         for column, (material, factors) in zip(axes.T, ours.items(), strict=True):
             column[0].set_title(material)
-            _draw_column(column, _curves(factors), _curves(published.get(material, {})))
+            _draw_column(column, _curves(factors), _published_curves(published.get(material, {})))
         for line, name in zip(axes, ANGLES, strict=True):
             line[0].set_ylabel(f"{name}, relative")
             for ax in line:
@@ -124,6 +125,14 @@ def _curves(factors: Curves) -> dict[str, NDArray]:
     return {**factors, "F G²": factors["F"] * factors["G"] ** 2} if factors else {}
 
 
+def _published_curves(factors: Curves) -> dict[str, NDArray]:
+    """Curves of published factors, whose G has nodes of its own."""
+    if not factors:
+        return {}
+    at_bins = [np.interp(ANGLES["F"], PUBLISHED_ANGLES["G"], G) for G in factors["G"]]
+    return {**factors, "F G²": factors["F"] * np.square(at_bins)}
+
+
 def _draw_column(
     column: NDArray, ours: Mapping[str, NDArray], published: Mapping[str, NDArray]
 ) -> None:
@@ -132,8 +141,9 @@ def _draw_column(
             values = scaled(ours[name][k], angles)
             ax.plot(angles, values, color=color, **OURS)
             if published:
-                theirs = scaled_to(published[name][k], values, angles)
-                ax.plot(angles, theirs, color=color, **PUBLISHED)
+                nodes, theirs = PUBLISHED_ANGLES[name], published[name][k]
+                scale = scale_to(np.interp(angles, nodes, theirs), values, angles)
+                ax.plot(nodes, scale * theirs, color=color, **PUBLISHED)
 
 
 def _finish(ax: Axes, name: str) -> None:

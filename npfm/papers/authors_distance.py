@@ -7,11 +7,16 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from npfm.fitting.factors.microfacet import tabulate_channel
+from npfm.fitting.factors.microfacet import G_THETA
 from npfm.fitting.objective import Objective, Samples, channel_samples, evaluate, weighted_median
+from npfm.papers.authors_factors import tabulate_channel
+from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.table import CHANNELS, Table
 
-COLUMNS = "material", "channel", "published", "ours", "log_ratio", "log_error"
+#: Objectives of the published factors: as they are read, and with G's nodes half a degree further
+#: or F's half a degree earlier.
+READINGS = "published", "g_at_centres", "f_at_degrees"
+COLUMNS = "material", "channel", *READINGS, "ours", "log_ratio", "log_error"
 
 
 def distance(
@@ -37,21 +42,28 @@ def distance(
     Returns
     -------
     DataFrame
-        Columns `COLUMNS`, one row a channel: the objective (equation 7) of both as a share of the
-        zero model's, and the median of ln(published / measured) and of its magnitude; all by
-        the paper's weights w of equation 8.
+        Columns `COLUMNS`, one row a channel: the objective (equation 7) of the published factors
+        in each reading and of ours, as a share of the zero model's, and the median of
+        ln(published / measured) and of its magnitude; all by the paper's weights w of equation 8.
     """
     rows = []
     for k, channel in enumerate(CHANNELS):
-        factors = {name: values[k] for name, values in published.items()}
-        model = tabulate_channel(measured.grid, **factors)
-        samples = _known(channel_samples(measured, k, Objective()), np.isfinite(model))
+        models = _readings(measured.grid, {name: values[k] for name, values in published.items()})
+        known = np.isfinite(models).all(axis=0)
+        samples = _known(channel_samples(measured, k, Objective()), known)
         objectives = [
-            evaluate(samples, np.nan_to_num(values) / samples.scale) / samples.energy
-            for values in (model, fitted.values[k])
+            evaluate(samples, np.nan_to_num(values) / samples.scale) / (samples.energy or 1.0)
+            for values in (*models, fitted.values[k])
         ]
-        rows.append((material, channel, *objectives, *_log_ratio(samples, model)))
+        rows.append((material, channel, *objectives, *_log_ratio(samples, models[0])))
     return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def _readings(grid: Grid, factors: Mapping[str, NDArray]) -> list[NDArray]:
+    """Values of a channel in the order of `READINGS`."""
+    degrees = grid.theta_d - grid.theta_d[0]
+    others = {}, {"g_theta": G_THETA}, {"f_theta": degrees}
+    return [tabulate_channel(grid, **factors, **other) for other in others]
 
 
 def _known(samples: Samples, known: NDArray[np.bool_]) -> Samples:
@@ -63,6 +75,8 @@ def _known(samples: Samples, known: NDArray[np.bool_]) -> Samples:
 def _log_ratio(samples: Samples, model: NDArray) -> tuple[float, float]:
     """Weighted median of ln(model / measured), and of its magnitude."""
     counts = (samples.weight > 0) & (samples.value > 0) & (model > 0)
+    if not counts.any():  # black
+        return np.nan, np.nan
     ratio = np.log(model[counts] / (samples.value[counts] * samples.scale))
     weight = samples.weight[counts]
     return weighted_median(ratio, weight), weighted_median(np.abs(ratio), weight)

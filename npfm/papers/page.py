@@ -101,8 +101,8 @@ def _distance(distance: pd.DataFrame) -> str:
     ratio = distance["published"] / distance["ours"]
     mean = distance.groupby("material", sort=True).mean(numeric_only=True)
     rows = [
-        f"| {material} | {row.published:.4f} | {row.ours:.4f} | {_percent(row.log_ratio, '+')} | "
-        f"{_percent(row.log_error)} |"
+        f"| {material} | {row.published:.4f} | {row.g_at_centres:.4f} | {row.f_at_degrees:.4f} | "
+        f"{row.ours:.4f} | {_percent(row.log_ratio, '+')} | {_percent(row.log_error)} |"
         for material, row in mean.iterrows()
     ]
     return "\n".join(
@@ -111,16 +111,30 @@ def _distance(distance: pd.DataFrame) -> str:
             f"run's tables these have an objective (equation 7) {ratio.median():.2f} times that of "
             f"our own independent-g fits in the median over the channels ({ratio.min():.2f} to "
             f"{ratio.max():.2f}), and are {_percent(distance['log_error'].median())} away from the "
-            "tables. Means of the channels:",
+            "tables. Their file does not give the angles of its components: D and F are taken to "
+            "be of the tables' bins, and G to be of whole degrees. "
+            + _other_reading(distance, "g_at_centres", "With G at the centres of bins as well")
+            + " "
+            + _other_reading(distance, "f_at_degrees", "With F at whole degrees too")
+            + " Means of the channels:",
             "",
-            "| material | objective of the published factors | of ours "
-            "| median of published / table | median distance |",
-            "|---|---|---|---|---|",
+            "| material | objective of the published factors | G at centres | F at whole degrees "
+            "| of ours | median of published / table | median distance |",
+            "|---|---|---|---|---|---|---|",
             *rows,
             "",
             "Objectives are shares of that of the zero model; medians are weighted as the fits "
             "are, and without the cells that rest on components which no sample has touched.",
         ]
+    )
+
+
+def _other_reading(distance: pd.DataFrame, column: str, what: str) -> str:
+    """Compare a reading of the published factors with the one that is taken."""
+    ratio = distance[column] / distance["published"]
+    return (
+        f"{what} the objective is {ratio.median():.2f} times as great in the median, and greater "
+        f"in {(ratio > 1).sum()} of {len(ratio)} channels."
     )
 
 

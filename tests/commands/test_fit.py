@@ -309,7 +309,7 @@ def test_as_a_program(tmp_path):
 
 def test_where_nothing_can_be_cached_a_fit_is_made_and_says_so(tmp_path, felt, nowhere_to_cache):
     """As on a node of a cluster with a read-only home, or none."""
-    arguments = ["--variant", "g-from-d", "--max-iterations", "1", "-o", "felt.npz"]
+    arguments = ["--model", "g-from-d", "--max-iterations", "1", "-o", "felt.npz"]
     ended = subprocess.run(
         [sys.executable, "-m", "npfm", "fit", felt, *arguments],
         cwd=tmp_path,

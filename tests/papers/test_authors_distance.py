@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from npfm.fitting.factors.microfacet import G_THETA, tabulate_channel
-from npfm.papers.authors_distance import distance
+from npfm.papers.authors_distance import READINGS, distance
+from npfm.papers.authors_factors import G_THETA, tabulate_channel
 from npfm.reflectance.half_difference import Grid
 from npfm.reflectance.table import Table
 
@@ -34,6 +34,7 @@ def test_factors_are_no_distance_from_their_own_table(factors):
     assert found["channel"].tolist() == ["red", "green", "blue"]
     numbers = found[["published", "ours", "log_ratio", "log_error"]].to_numpy()
     np.testing.assert_allclose(numbers, 0, atol=1e-12)
+    assert (found[list(READINGS[1:])] > 1e-5).all(axis=None)
 
 
 def test_a_constant_shows_at_once(factors):

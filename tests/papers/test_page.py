@@ -10,7 +10,7 @@ from npfm.__main__ import main
 from npfm.evaluation import tables
 from npfm.fitting import fits
 from npfm.fitting.fits import ChannelRecord, Fit, Trace
-from npfm.papers import page
+from npfm.papers import authors_distance, page
 from npfm.papers.claims import TOPICS
 from npfm.papers.evidence import starts
 from npfm.reflectance.half_difference import MERL
@@ -49,9 +49,9 @@ def run(tmp_path):
     tables.write(folder / "tables" / "psnr.csv", psnr)
     summary = pd.DataFrame({"variant": VARIANTS, "bytes": [97200, 3264]})
     tables.write(folder / "tables" / "summary.csv", summary)
-    columns = ["material", "channel", "published", "ours", "log_ratio", "log_error"]
-    distance = [("nylon", c, 0.02, 0.01, 0.05, 0.1) for c in ("red", "green", "blue")]
-    tables.write(folder / "tables" / "published.csv", pd.DataFrame(distance, columns=columns))
+    rows = [("nylon", c, 0.02, 0.03, 0.01, 0.01, 0.05, 0.1) for c in ("red", "green", "blue")]
+    distance = pd.DataFrame(rows, columns=authors_distance.COLUMNS)
+    tables.write(folder / "tables" / "published.csv", distance)
     return folder
 
 
@@ -111,7 +111,9 @@ def test_it_says_what_stands_in_for_the_measured_tables_and_how_far_it_is(run):
     text = call(run)
     assert "The tables are not the measured ones" in text
     assert "2.00 times that of our own" in text
-    assert "| nylon | 0.0200 | 0.0100 | +5.1 % | 10.5 % |" in text
+    assert "| nylon | 0.0200 | 0.0300 | 0.0100 | 0.0100 | +5.1 % | 10.5 % |" in text
+    assert "1.50 times as great in the median, and greater in 3 of 3 channels" in text
+    assert "0.50 times as great in the median, and greater in 0 of 3 channels" in text
 
 
 def test_figures_stand_beside_their_claims_where_the_run_has_them(run):
