@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -49,7 +50,7 @@ def distance(
     rows = []
     for k, channel in enumerate(CHANNELS):
         models = _readings(measured.grid, {name: values[k] for name, values in published.items()})
-        known = np.isfinite(models).all(axis=0)
+        known = np.logical_and.reduce([np.isfinite(model) for model in models])
         samples = _known(channel_samples(measured, k, Objective()), known)
         objectives = [
             evaluate(samples, np.nan_to_num(values) / samples.scale) / (samples.energy or 1.0)
@@ -59,11 +60,14 @@ def distance(
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-def _readings(grid: Grid, factors: Mapping[str, NDArray]) -> list[NDArray]:
+def _readings(grid: Grid, factors: Mapping[str, Any]) -> list[NDArray]:
     """Values of a channel in the order of `READINGS`."""
     degrees = grid.theta_d - grid.theta_d[0]
-    others = {}, {"g_theta": G_THETA}, {"f_theta": degrees}
-    return [tabulate_channel(grid, **factors, **other) for other in others]
+    return [
+        tabulate_channel(grid, **factors),
+        tabulate_channel(grid, **factors, g_theta=G_THETA),
+        tabulate_channel(grid, **factors, f_theta=degrees),
+    ]
 
 
 def _known(samples: Samples, known: NDArray[np.bool_]) -> Samples:

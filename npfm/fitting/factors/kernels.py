@@ -10,7 +10,7 @@ They are compiled, or taken from numba's cache, when this module is imported: be
 import warnings
 from collections.abc import Callable
 from functools import cache
-from typing import TypeVar
+from typing import TypeVar, cast
 
 import numpy as np
 from numba import njit
@@ -40,10 +40,10 @@ def _compiled(signature: str) -> Callable[[Pass], Pass]:
 
     def compiled(function: Pass) -> Pass:
         try:
-            return njit(signature, cache=True)(function)
+            return cast(Pass, njit(signature, cache=True)(function))
         except (RuntimeError, OSError):  # numba finds no place for it, or the place is full
             _warn_once()
-            return njit(signature)(function)
+            return cast(Pass, njit(signature)(function))
 
     return compiled
 
