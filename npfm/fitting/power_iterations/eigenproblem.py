@@ -41,10 +41,9 @@ def consistent_kernel(samples: Samples) -> tuple[Array, NDArray[np.bool_]]:
         Rows that there are samples for.
     """
     grid, at = samples.grid, cells(samples.grid)
-    value, seen, depth = _backscattered(samples)
+    value, seen, rows = _backscattered(samples)
     cos_i, cos_o, node_i, node_o, part_i, part_o = (
-        np.take_along_axis(array, depth, axis=1)[:, 0]
-        for array in (*at.cosines, *at.nodes, *at.parts)
+        array[rows] for array in (*at.cosines, *at.nodes, *at.parts)
     )
     shares = _scattered(value * cos_i, node_o, part_o) + _scattered(value * cos_o, node_i, part_i)
     projected = 2 * np.pi * np.cos(grid.theta_h) * bands(grid)
@@ -61,7 +60,9 @@ def papers_kernel(samples: Samples) -> tuple[Array, NDArray[np.bool_]]:
     return scale * facing(theta_o, grid.theta_h) * bands(grid), seen
 
 
-def _backscattered(samples: Samples) -> tuple[Array, NDArray[np.bool_], NDArray[np.intp]]:
+def _backscattered(
+    samples: Samples,
+) -> tuple[Array, NDArray[np.bool_], tuple[NDArray[np.intp], NDArray[np.intp]]]:
     """Samples of each theta_h in the first bin of theta_d that has any, over their number.
 
     Returns
@@ -70,16 +71,17 @@ def _backscattered(samples: Samples) -> tuple[Array, NDArray[np.bool_], NDArray[
         Their sum over phi_d is the mean of the samples.
     seen : ndarray of bool, shape (theta_h,)
         Where there are samples.
-    depth : ndarray of int, shape (theta_h, 1, 1)
-        The bin of theta_d.
+    rows : tuple of two ndarray of int, shape (theta_h,)
+        Where they are: the bins of theta_h and of theta_d.
     """
-    counts = samples.weight > 0
-    depth = counts.any(-1).argmax(1)[:, None, None]
-    value, counts = (
-        np.take_along_axis(array, depth, axis=1)[:, 0] for array in (samples.value, counts)
-    )
+    depth = np.zeros(len(samples.weight), dtype=int)
+    empty = ~(samples.weight[:, 0] > 0).any(-1)
+    depth[empty] = (samples.weight[empty] > 0).any(-1).argmax(1)
+    rows = np.arange(len(depth)), depth
+    counts = samples.weight[rows] > 0
     number = counts.sum(1, keepdims=True)
-    return np.where(counts, value, 0.0) / np.maximum(number, 1), number[:, 0] > 0, depth
+    value = np.where(counts, samples.value[rows], 0.0) / np.maximum(number, 1)
+    return value, number[:, 0] > 0, rows
 
 
 def _scattered(value: Array, node: NDArray, part: Array) -> Array:
@@ -118,8 +120,8 @@ def distribution(samples: Sequence[Samples], kernel: str) -> tuple[Array, str, i
     """
     unit = max(channel.scale for channel in samples)
     matrices = [(channel.scale / unit) * _filled(*KERNELS[kernel](channel)) for channel in samples]
-    # Sorted, so that the order of the channels does not even matter for rounding.
-    return power_iterations(np.sort(matrices, axis=0).sum(0))
+    # In an order of their own, so that that of the channels does not even matter for rounding.
+    return power_iterations(sum(sorted(matrices, key=np.sum)))
 
 
 def _filled(matrix: Array, seen: NDArray[np.bool_]) -> Array:
