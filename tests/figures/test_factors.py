@@ -13,10 +13,10 @@ from npfm.figures import figure03, figure04, figure05, figure06, figure16, style
 from npfm.fitting import fits
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective, channel_samples
-from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.table import Table
 
-GRID = Grid(18, 15, 12)
+GRID = HalfDifference(18, 15, 12)
 
 
 def table():
