@@ -9,7 +9,7 @@ import npfm.__main__  # noqa: F401  Before numpy: one thread, as every job has.
 import numpy as np
 import pytest
 
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 ROOT = Path(__file__).parents[1]
@@ -25,9 +25,9 @@ def data() -> Path:
 
 
 @pytest.fixture(scope="session")
-def grid() -> Grid:
+def grid() -> HalfDifference:
     """Every fifth bin of MERL's grid: its centres are centres of MERL's."""
-    return Grid(18, 18, 36)
+    return HalfDifference(18, 18, 36)
 
 
 @pytest.fixture(scope="session")

@@ -17,7 +17,7 @@ from npfm.fitting.objective import (
     weighted_median,
 )
 from npfm.reflectance.angles import directions, half_difference
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 
 #: The same examples at every run, without a time limit for each.
 settings.register_profile("same", derandomize=True, deadline=None, max_examples=60, database=None)
@@ -27,7 +27,10 @@ HALF_PI = np.pi / 2
 AWAY = st.floats(0.05, HALF_PI - 0.05)
 AROUND = st.floats(0, np.pi, exclude_max=True)
 GRIDS = st.builds(
-    Grid, st.integers(2, 7), st.integers(2, 7), st.integers(1, 5).map(lambda half: 2 * half)
+    HalfDifference,
+    st.integers(2, 7),
+    st.integers(2, 7),
+    st.integers(1, 5).map(lambda half: 2 * half),
 )
 
 
@@ -71,7 +74,7 @@ def test_at_the_normal_phi_d_alone_is_lost(small, angle, phi_d):
 @given(GRIDS)
 def test_the_centre_of_a_cell_lies_in_it(grid):
     centres = np.meshgrid(grid.theta_h, grid.theta_d, grid.phi_d, indexing="ij")
-    assert np.array_equal(grid.cell(*centres).ravel(), np.arange(grid.cells))
+    assert np.array_equal(grid.cell(*centres).ravel(), np.arange(grid.size))
 
 
 @given(GRIDS, st.floats(1, 89.9))
@@ -134,7 +137,7 @@ def fits(model, grid):
     return st.fixed_dictionaries(parts).map(lambda p: Fit(model, p, grid))
 
 
-GRID = Grid(4, 3, 6)
+GRID = HalfDifference(4, 3, 6)
 
 
 @pytest.mark.parametrize("model", registry.non_parametric())

@@ -98,7 +98,7 @@ def run(arguments: argparse.Namespace) -> None:
         "seconds": time.process_time() - began,
         "rays": counts["rays"],
         "nonzeros": matrix.indices.size,
-        "bytes": sum(array.nbytes for array in vars(matrix).values()),
+        "bytes": sum(array.nbytes for array in matrix.arrays.values()),
     }
     transport.save(arguments.output, matrix)
     if arguments.record:

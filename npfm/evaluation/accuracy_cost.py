@@ -109,7 +109,7 @@ def fits(
         If a record is missing or is none.
     """
     paths = list(dict.fromkeys(settings.values()))
-    values = np.empty((3, measured.grid.cells, 1 + len(paths)), dtype=np.float32)
+    values = np.empty((3, measured.grid.size, 1 + len(paths)), dtype=np.float32)
     for k, path in enumerate([None, *paths]):
         table = tabulate(path) if path else measured
         values[..., k] = np.where(measured.valid, table.values, 0.0).reshape(3, -1)

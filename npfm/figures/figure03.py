@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from npfm.figures import slice_axes, style
 from npfm.fitting.objective import Objective, channel_samples, counted, importance, volume_form
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.merl import read_binary
 from npfm.reflectance.table import Table
 
@@ -56,14 +56,14 @@ def weights(table: Table, objective: Objective) -> dict[str, NDArray[np.float64]
     return {name: np.where(usable, w / w[usable].max(), np.nan) for name, w in shares.items()}
 
 
-def draw(weights: Mapping[str, NDArray], grid: Grid, material: str) -> Figure:
+def draw(weights: Mapping[str, NDArray], grid: HalfDifference, material: str) -> Figure:
     """Draw slices of weights, a column each, at some phi_d from top to bottom.
 
     Parameters
     ----------
     weights : mapping of str to ndarray of shape grid.shape
         Shares of the largest, NaN where there is none.
-    grid : Grid
+    grid : HalfDifference
     material : str
         Whose compressive weight it is.
     """

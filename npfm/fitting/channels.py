@@ -21,6 +21,7 @@ from npfm.fitting.objective import (
     evaluate,
     fold,
 )
+from npfm.reflectance.grids import Grid
 from npfm.reflectance.table import CHANNELS, INVALID, Table
 
 #: What parameters are stored as.
@@ -249,7 +250,7 @@ def _stored(
     return {key: value.astype(STORED) for key, value in scaled.items()}
 
 
-def as_table(channels: list[NDArray], grid) -> Table:
+def as_table(channels: list[NDArray], grid: Grid) -> Table:
     """Stack the values of three channels into a table, marked invalid below the horizon.
 
     Parameters

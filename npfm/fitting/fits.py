@@ -4,12 +4,15 @@ import json
 import zipfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance import grids
+from npfm.reflectance.half_difference import HalfDifference
+from npfm.reflectance.table import G
 from npfm.storage.files import replacing
 
 FORMAT = "npfm-fit-1"
@@ -81,7 +84,7 @@ class ChannelRecord:
 
 
 @dataclass(frozen=True)
-class Fit:
+class Fit(Generic[G]):
     """A fitted model of one material.
 
     Parameters
@@ -99,7 +102,7 @@ class Fit:
 
     model: str
     parameters: dict[str, NDArray[np.float32]]
-    grid: Grid
+    grid: G
     records: tuple[ChannelRecord, ...] = ()
 
     @property
@@ -126,6 +129,9 @@ def save(path: str | Path, fit: Fit) -> None:
     if Path(path).suffix != ".npz":
         raise NpfmError(f"{path}: a fit is written as .npz; give a name that ends so")
     labels = {"format": FORMAT, "model": fit.model, "units": UNITS}
+    # Fits had only one kind of grid at first, and those on it are the same bytes as ever.
+    if fit.grid.kind != HalfDifference.kind:
+        labels["grid_kind"] = fit.grid.kind
     about = {name: np.array(text) for name, text in labels.items()}
     with replacing(path) as temporary:
         np.savez(temporary, **about, grid=np.array(fit.grid.shape), **fit.parameters)
@@ -158,7 +164,8 @@ def load(path: str | Path) -> Fit:
     if str(arrays.pop("format", "")) != FORMAT:
         raise NpfmError(f"{path}: not a fit of format {FORMAT}; make it again with npfm fit")
     arrays.pop("units")
-    grid = Grid(*(int(bins) for bins in arrays.pop("grid")))
+    kind = str(arrays.pop("grid_kind", HalfDifference.kind))
+    grid = grids.named(kind, arrays.pop("grid"))
     return Fit(str(arrays.pop("model")), arrays, grid)
 
 

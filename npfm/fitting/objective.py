@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from npfm.errors import NpfmError
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import CHANNELS, Table
 
 #: Power of the compressive weight and steepness of the compressive function (section 4.1).
@@ -66,7 +66,7 @@ class Samples:
         around 1. 1 where all is 0.
     floor : float
         Part of the objective that folding has taken out (0 before folding).
-    grid : Grid
+    grid : HalfDifference
         Where the samples lie; folded samples keep the first half of its phi_d bins.
     """
 
@@ -74,7 +74,7 @@ class Samples:
     value: NDArray[np.float64]
     scale: float
     floor: float
-    grid: Grid
+    grid: HalfDifference
 
     @cached_property
     def energy(self) -> float:
@@ -82,7 +82,7 @@ class Samples:
         return self.floor + float(np.vdot(self.weight, self.value**2))
 
 
-def volume_form(grid: Grid) -> NDArray[np.float64]:
+def volume_form(grid: HalfDifference) -> NDArray[np.float64]:
     """Weight w_V of each cell: the volume form of (theta_h', theta_d, phi_d) space.
 
     Bagher et al. 2016, equation 9, times the factor 2 sqrt(theta_h) of d(theta_h) where bins are
@@ -98,14 +98,14 @@ def volume_form(grid: Grid) -> NDArray[np.float64]:
     return 2 * np.sqrt(grid.theta_h)[:, None, None] * spread
 
 
-def importance(grid: Grid) -> NDArray[np.float64]:
+def importance(grid: HalfDifference) -> NDArray[np.float64]:
     """Weight w_I = cos(theta_i) cos(theta_o) of each cell, 0 below the horizon (equation 10)."""
     cos_i, cos_o = grid.cosines
     return np.maximum(cos_i, 0) * np.maximum(cos_o, 0)
 
 
 @lru_cache(maxsize=2)
-def _geometric_weight(grid: Grid, max_angle: float) -> NDArray[np.float64]:
+def _geometric_weight(grid: HalfDifference, max_angle: float) -> NDArray[np.float64]:
     """w_V w_I of the cells that count, 0 elsewhere."""
     return np.where(counted(grid, max_angle), volume_form(grid) * importance(grid), 0.0)
 
@@ -153,7 +153,7 @@ def weighted_median(value: NDArray, weight: NDArray) -> float:
     return float(value[order][np.searchsorted(reached, reached[-1] / 2)])
 
 
-def counted(grid: Grid, max_angle: float) -> NDArray[np.bool_]:
+def counted(grid: HalfDifference, max_angle: float) -> NDArray[np.bool_]:
     """Cells whose theta_i and theta_o are both at most `max_angle` degrees (section 4.1)."""
     lowest = np.cos(np.deg2rad(max_angle))
     cos_i, cos_o = grid.cosines

@@ -8,7 +8,7 @@ from npfm.fitting.objective import Objective
 from npfm.fitting.parametric import author_metrics, lobe_fits, lobes
 from npfm.fitting.parametric.abc import FORM
 from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "abc-e2"
@@ -19,7 +19,7 @@ OBJECTIVE = False
 SCALE_FREE = False  # the logarithm is of 1 + the BRDF in 1/sr
 
 
-def parameter_count(grid: Grid) -> int:
+def parameter_count(grid: HalfDifference) -> int:
     """Number of values stored for a material, on whatever grid."""
     return lobes.parameter_count(FORM)
 

@@ -9,7 +9,7 @@ from npfm.fitting.objective import Objective
 from npfm.fitting.parametric import author_metrics, lobe_fits, lobes
 from npfm.fitting.parametric.abc import FORM
 from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "abc-ours"
@@ -19,7 +19,7 @@ SOLVER = False
 OWN_TABLE = 1e-6
 
 
-def parameter_count(grid: Grid) -> int:
+def parameter_count(grid: HalfDifference) -> int:
     """Number of values stored for a material, on whatever grid."""
     return lobes.parameter_count(FORM)
 

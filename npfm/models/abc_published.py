@@ -8,7 +8,7 @@ from npfm.fitting.objective import Objective
 from npfm.fitting.parametric import lobes
 from npfm.fitting.parametric.abc import FORM
 from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "abc-published"
@@ -23,7 +23,7 @@ PUBLISHED = {
 }
 
 
-def parameter_count(grid: Grid) -> int:
+def parameter_count(grid: HalfDifference) -> int:
     """Number of values stored for a material, on whatever grid."""
     return lobes.parameter_count(FORM)
 

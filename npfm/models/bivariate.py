@@ -13,7 +13,7 @@ from npfm.fitting.channels import ChannelFit, as_table, fit_channels
 from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples, evaluate
 from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "bivariate"
@@ -21,7 +21,7 @@ COEFFICIENTS = ("B",)
 SOLVER = False
 
 
-def parameter_count(grid: Grid) -> int:
+def parameter_count(grid: HalfDifference) -> int:
     """Number of values stored for a material."""
     return 3 * grid.theta_h_bins * grid.theta_d_bins
 

@@ -33,7 +33,7 @@ from npfm.fitting.factors.smith import masking_shadowing
 from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples, fold
 from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "bivariate-g"
@@ -169,7 +169,7 @@ class BivariateGProblem(MicrofacetProblem):
         return chain.T @ gradient, chain.T @ (upper + np.triu(upper, 1).T) @ chain
 
 
-def parameter_count(grid: Grid) -> int:
+def parameter_count(grid: HalfDifference) -> int:
     """Number of values stored for a material: B, G and rho_d for each channel."""
     return 3 * (grid.theta_h_bins * grid.theta_d_bins + G_NODES + 1)
 

@@ -14,7 +14,7 @@ from npfm.fitting.objective import Objective
 from npfm.fitting.parametric import lobes
 from npfm.fitting.solvers.problem import Solver
 from npfm.models.cook_torrance import FORM
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.merl import CHANNEL_SCALE
 from npfm.reflectance.table import Table
 
@@ -32,7 +32,7 @@ PUBLISHED = {
 CHANNEL_WEIGHT = CHANNEL_SCALE / CHANNEL_SCALE[0]
 
 
-def parameter_count(grid: Grid) -> int:
+def parameter_count(grid: HalfDifference) -> int:
     """Number of values stored for a material, on whatever grid."""
     return lobes.parameter_count(FORM)
 

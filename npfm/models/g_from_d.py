@@ -21,7 +21,7 @@ from npfm.fitting.factors.smith import log_derivative, masking_shadowing
 from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples, fold
 from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "g-from-d"
@@ -96,7 +96,7 @@ class GFromDProblem(MicrofacetProblem):
         return self._with_G(before.with_factors(D=D))
 
 
-def parameter_count(grid: Grid) -> int:
+def parameter_count(grid: HalfDifference) -> int:
     """Number of values stored for a material: D, F, rho_d and rho_s for each channel."""
     return 3 * (grid.theta_h_bins + grid.theta_d_bins + 2)
 

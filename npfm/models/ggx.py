@@ -15,7 +15,7 @@ from npfm.fitting.objective import Objective
 from npfm.fitting.power_iterations import fits
 from npfm.fitting.power_iterations.fits import Form, Parameters
 from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.microsurfaces import ggx, ggx_area
 from npfm.reflectance.slopes import ELEVATIONS, ggx_roughness
 from npfm.reflectance.table import Table
@@ -40,11 +40,11 @@ SETTINGS = {
 }
 
 
-def _convert(D: NDArray, grid: Grid) -> Parameters:
+def _convert(D: NDArray, grid: HalfDifference) -> Parameters:
     return {"alpha": np.array([ggx_roughness(D, grid)])}
 
 
-def _surface(p: Parameters, grid: Grid) -> tuple[NDArray, NDArray]:
+def _surface(p: Parameters, grid: HalfDifference) -> tuple[NDArray, NDArray]:
     alpha = float(p["alpha"][0])
     return ggx(np.cos(grid.theta_h), alpha), ggx_area(np.cos(ELEVATIONS), alpha)
 
@@ -52,7 +52,7 @@ def _surface(p: Parameters, grid: Grid) -> tuple[NDArray, NDArray]:
 FORM = Form(_convert, _surface)
 
 
-def parameter_count(grid: Grid) -> int:
+def parameter_count(grid: HalfDifference) -> int:
     """Number of values stored for a material."""
     return fits.parameter_count(FORM, grid)
 

@@ -16,7 +16,7 @@ from npfm.fitting.objective import Objective
 from npfm.fitting.parametric import author_metrics, lobe_fits, lobes
 from npfm.fitting.parametric.lobes import Directions, Form, Shape
 from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.microsurfaces import ggx, ggx_area
 from npfm.reflectance.table import Table
 
@@ -49,7 +49,7 @@ FORM = Form(
 )
 
 
-def parameter_count(grid: Grid) -> int:
+def parameter_count(grid: HalfDifference) -> int:
     """Number of values stored for a material, on whatever grid."""
     return lobes.parameter_count(FORM)
 

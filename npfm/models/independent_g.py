@@ -23,7 +23,7 @@ from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective, Samples, fold
 from npfm.fitting.solvers.problem import Solver
 from npfm.models import g_from_d
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "independent-g"
@@ -104,7 +104,7 @@ def start_states(
     yield "slices-smith", begun(D, F, masking_shadowing(D, problem.samples.grid, G_THETA))
 
 
-def parameter_count(grid: Grid) -> int:
+def parameter_count(grid: HalfDifference) -> int:
     """Number of values stored for a material: D, F, G, rho_d and rho_s for each channel."""
     return 3 * (grid.theta_h_bins + grid.theta_d_bins + G_NODES + 2)
 

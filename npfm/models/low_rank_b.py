@@ -24,7 +24,7 @@ from npfm.fitting.objective import Objective, Samples
 from npfm.fitting.solvers.problem import Solver
 from npfm.models import bivariate_g
 from npfm.models.bivariate_g import BivariateGProblem, State
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "low-rank-b"
@@ -185,7 +185,7 @@ class Compressor:
         return {"U": found.U / self.rows * top, "V": V / top, "G": state.G, "rho_d": state.rho_d}
 
 
-def parameter_count(grid: Grid, rank: int = RANK) -> int:
+def parameter_count(grid: HalfDifference, rank: int = RANK) -> int:
     """Number of values stored for a material: U, V, G and rho_d for each channel."""
     return 3 * (rank * (grid.theta_h_bins + grid.theta_d_bins) + G_NODES + 1)
 

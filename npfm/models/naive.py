@@ -15,7 +15,7 @@ from npfm.fitting.factors.problem import FactorProblem, State, Sums, quotient, u
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective, Samples
 from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "naive"
@@ -108,7 +108,7 @@ class NaiveProblem(FactorProblem):
         return State(replace(f, third=H), self.sums(H))
 
 
-def parameter_count(grid: Grid) -> int:
+def parameter_count(grid: HalfDifference) -> int:
     """Number of values stored for a material: D, F, H, rho_d and rho_s for each channel."""
     return 3 * (sum(grid.shape) + 2)
 

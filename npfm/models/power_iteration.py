@@ -13,7 +13,7 @@ from npfm.fitting.power_iterations import fits
 from npfm.fitting.power_iterations.fits import TABULATED
 from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance import slopes
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "power-iteration"
@@ -34,7 +34,7 @@ SETTINGS = {
 }
 
 
-def parameter_count(grid: Grid) -> int:
+def parameter_count(grid: HalfDifference) -> int:
     """Number of values stored for a material."""
     return fits.parameter_count(TABULATED, grid)
 

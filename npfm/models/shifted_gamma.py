@@ -20,7 +20,7 @@ from npfm.fitting.objective import Objective
 from npfm.fitting.parametric import author_metrics, lobe_fits, lobes
 from npfm.fitting.parametric.lobes import Directions, Form, Shape
 from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "shifted-gamma"
@@ -80,7 +80,7 @@ FORM = Form(
 )
 
 
-def parameter_count(grid: Grid) -> int:
+def parameter_count(grid: HalfDifference) -> int:
     """Number of values stored for a material, on whatever grid."""
     return lobes.parameter_count(FORM)
 

@@ -8,7 +8,7 @@ from npfm.fitting.objective import Objective
 from npfm.fitting.parametric import lobes
 from npfm.fitting.solvers.problem import Solver
 from npfm.models.shifted_gamma import FORM
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "shifted-gamma-published"
@@ -35,7 +35,7 @@ PUBLISHED = {
 NEVER = 1e3
 
 
-def parameter_count(grid: Grid) -> int:
+def parameter_count(grid: HalfDifference) -> int:
     """Number of values stored for a material, on whatever grid."""
     return lobes.parameter_count(FORM)
 

@@ -39,7 +39,7 @@ from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples, evaluate
 from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance.angles import directions
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "tucker-20"
@@ -91,7 +91,7 @@ class Nodes:
 
 
 @lru_cache(maxsize=1)
-def nodes(grid: Grid) -> Nodes:
+def nodes(grid: HalfDifference) -> Nodes:
     """Place the cells of a grid; those below the horizon go to the nearest node."""
     _, view = directions(grid.theta_h[:, None, None], grid.theta_d[:, None], grid.phi_d)
     theta_o = np.arccos(np.clip(view[..., 2], 0.0, 1.0))
@@ -189,7 +189,7 @@ def products(tensor: Array, sweeps: int) -> list[Array]:
     return factors
 
 
-def parameter_count(grid: Grid) -> int:
+def parameter_count(grid: HalfDifference) -> int:
     """Number of values stored for a material: the factors and the scale of each channel."""
     return 3 * (TERMS * (grid.theta_h_bins + PHI_H_NODES + THETA_O_NODES + 1) + 1)
 
@@ -239,7 +239,7 @@ def _fit_channel(samples: Samples, sweeps: int) -> ChannelFit:
     return ChannelFit(named | {"scale": SCALE}, (trace,))
 
 
-def _values(factors: Sequence[NDArray], scale: float, grid: Grid) -> Array:
+def _values(factors: Sequence[NDArray], scale: float, grid: HalfDifference) -> Array:
     theta_h, phi_h, theta_o, phi_o = (factor.astype(float) for factor in factors)
     directional = (theta_o[:, None] * phi_h * phi_o).reshape(-1, TERMS)
     logarithm = nodes(grid).values(theta_h @ directional.T)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from npfm.fitting.factors.microfacet import G_THETA
 from npfm.fitting.objective import Objective, Samples, channel_samples, evaluate, weighted_median
 from npfm.papers.authors_factors import tabulate_channel
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import CHANNELS, Table
 
 #: Objectives of the published factors: as they are read, and with G's nodes half a degree further
@@ -60,7 +60,7 @@ def distance(
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-def _readings(grid: Grid, factors: Mapping[str, Any]) -> list[NDArray]:
+def _readings(grid: HalfDifference, factors: Mapping[str, Any]) -> list[NDArray]:
     """Values of a channel in the order of `READINGS`."""
     degrees = grid.theta_d - grid.theta_d[0]
     return [

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 
 Array = NDArray[np.float64]
 
@@ -61,7 +61,7 @@ def read(path: str | Path) -> dict[str, Mapping[str, Array]]:
 
 
 def tabulate_channel(
-    grid: Grid,
+    grid: HalfDifference,
     D: Array,
     F: Array,
     G: Array,
@@ -75,7 +75,7 @@ def tabulate_channel(
 
     Parameters
     ----------
-    grid : Grid
+    grid : HalfDifference
         With as many theta_h and theta_d bins as D and F have components.
     D, F, G : ndarray
         Factors, NaN where a component is not known.

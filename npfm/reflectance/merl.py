@@ -13,7 +13,7 @@ from npfm.storage.files import replacing
 #: (BRDFRead.cpp, distributed with the MERL database).
 CHANNEL_SCALE = np.array([1.00, 1.15, 1.66]) / 1500.0
 HEADER_BYTES = 12
-FILE_BYTES = HEADER_BYTES + 8 * 3 * MERL.cells  # 34 992 012
+FILE_BYTES = HEADER_BYTES + 8 * 3 * MERL.size  # 34 992 012
 
 
 def read_binary(path: str | Path) -> Table:

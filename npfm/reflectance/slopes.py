@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 
 Array = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ ELEVATIONS = np.linspace(0, np.pi / 2, 361)
 
 
 @lru_cache(maxsize=4)
-def bands(grid: Grid) -> Array:
+def bands(grid: HalfDifference) -> Array:
     """Width of each bin times sin(theta_h): what a sum over a meridian is weighted by.
 
     Returns
@@ -50,7 +50,7 @@ def facing(elevation: NDArray, theta_h: NDArray) -> Array:
     return 2 * (a * t + b * np.sin(t))
 
 
-def normalised(D: NDArray, grid: Grid) -> Array:
+def normalised(D: NDArray, grid: HalfDifference) -> Array:
     """D in the scale in which its microfacets cover the surface: equation 4 of Dupuy et al. 2015.
 
     Parameters
@@ -63,12 +63,12 @@ def normalised(D: NDArray, grid: Grid) -> Array:
 
 
 @lru_cache(maxsize=4)
-def area_matrix(grid: Grid) -> Array:
+def area_matrix(grid: HalfDifference) -> Array:
     """Matrix, shape (ELEVATIONS, theta_h_bins), that turns a D into its projected areas."""
     return facing(ELEVATIONS[:, None], grid.theta_h) * bands(grid)
 
 
-def projected_area(D: NDArray, grid: Grid) -> Array:
+def projected_area(D: NDArray, grid: HalfDifference) -> Array:
     """Area of the visible microfacets, projected along each of `ELEVATIONS`.
 
     sigma(o), the integral of max(0, o.h) D(h), for D as `normalised`: cos(theta_o) / G1(o) with
@@ -77,7 +77,7 @@ def projected_area(D: NDArray, grid: Grid) -> Array:
     return area_matrix(grid) @ D
 
 
-def ggx_roughness(D: NDArray, grid: Grid) -> float:
+def ggx_roughness(D: NDArray, grid: HalfDifference) -> float:
     """Roughness alpha of a GGX distribution, from the mean of the absolute slope along x.
 
     Dupuy et al. 2015, appendix C, which is 4 times the integral of D sin^2(theta_h) d(theta_h).
@@ -85,7 +85,7 @@ def ggx_roughness(D: NDArray, grid: Grid) -> float:
     return float(4 * np.sum(bands(grid) * np.sin(grid.theta_h) * normalised(D, grid)))
 
 
-def beckmann_roughness(D: NDArray, grid: Grid) -> float:
+def beckmann_roughness(D: NDArray, grid: HalfDifference) -> float:
     """Roughness alpha of a Beckmann distribution, from the variance of the slope along x.
 
     Dupuy et al. 2015, appendix C, but alpha^2 = 2 E[x^2]; the factor is on the other side there.
@@ -96,7 +96,7 @@ def beckmann_roughness(D: NDArray, grid: Grid) -> float:
     return float(np.sqrt(2 * np.pi * moment))
 
 
-def rougher(D: NDArray, grid: Grid, factor: float) -> Array:
+def rougher(D: NDArray, grid: HalfDifference, factor: float) -> Array:
     """D with all slopes stretched by a factor: equation 9 of Dupuy et al. 2015.
 
     D' cos^4(theta') = D cos^4(theta) / factor^2 with tan(theta') = factor tan(theta). What is
@@ -107,7 +107,7 @@ def rougher(D: NDArray, grid: Grid, factor: float) -> Array:
     ----------
     D : ndarray, shape (theta_h_bins,)
         Not negative and not all zero.
-    grid : Grid
+    grid : HalfDifference
         Where D is tabulated.
     factor : float
         Above 0; 2 is twice as rough.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from npfm.errors import NpfmError
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.grids import Grid, components
 from npfm.rendering.effects import EFFECTS
 from npfm.rendering.geometry import Shape
 from npfm.rendering.lights.environment import LUMINANCE, Environment
@@ -99,17 +99,18 @@ def build(
     if samples < least:
         raise NpfmError(f"{samples} samples a pixel are too few for this scene; use {least}")
     surface, coverage, backdrop = look(
-        CAMERA, setup.objects, environment, setup.offsets, resolution
+        CAMERA, setup.objects, environment, setup.offsets, resolution, tangents=grid.anisotropic
     )
     if len(surface) == 0:
         raise NpfmError(f"no ray of {resolution} x {resolution} pixels meets an object; use more")
     number = samples // least * _multiples(surface, environment, grid)
     parts = tqdm(list(_parts(surface, number)), desc="scene", unit="block", disable=None)
     blocks = (_rows(surface[part], number[part], setup) for part in parts)
-    return Transport(*_joined(blocks, resolution**2), coverage, backdrop, np.array(grid.shape))
+    indptr, indices, weights = _joined(blocks, resolution**2)
+    return Transport(indptr, indices, weights, coverage, backdrop, grid)
 
 
-def _joined(blocks: Iterable[tuple[NDArray, ...]], pixels: int) -> tuple[NDArray, ...]:
+def _joined(blocks: Iterable[tuple[NDArray, ...]], pixels: int) -> tuple[NDArray, NDArray, NDArray]:
     """indptr, indices and weights of the matrix whose rows `_rows` gave block by block."""
     rows, entries, indices, weights = zip(*blocks, strict=True)
     indptr = np.zeros(pixels + 1, dtype=np.int64)
@@ -171,12 +172,12 @@ def _rows(surface: Surface, counts: NDArray, setup: Setup) -> tuple[NDArray, ...
     levels = np.unique(counts).tolist()
     parts = [_gather(surface[counts == count], count, setup) for count in levels]
     pixel, cell, weights = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
-    key = pixel * setup.grid.cells + cell
+    key = pixel * setup.grid.size + cell
     order = np.argsort(key, kind="stable")
     key = key[order]
     first = np.flatnonzero(np.diff(key, prepend=-1))
     merged = np.add.reduceat(weights[:, order], first, axis=1) if len(first) else weights
-    pixel, cell = np.divmod(key[first], setup.grid.cells)
+    pixel, cell = np.divmod(key[first], setup.grid.size)
     return *np.unique(pixel, return_counts=True), cell.astype(np.int32), merged.astype(np.float32)
 
 
@@ -188,20 +189,22 @@ def _gather(surface: Surface, count: int, setup: Setup) -> tuple[NDArray, NDArra
     u = _points(len(setup.offsets), count)[surface.ray]
     points = [rotate(u, shift[surface.pixel]) for shift in setup.shifts]
     light, density = combine(setup.strategies, points, surface, setup.power)
-    # Cosines of the light with normal and view, and the volume the three vectors span.
-    span = [surface.normal, surface.view, np.cross(surface.normal, surface.view)]
-    cosines = light @ np.stack(span, axis=-1)
-    at, sample = np.nonzero((cosines[..., 0] > 0) & (density > 0))
+    axes = setup.grid.axes(surface.normal, surface.view, surface.tangent)
+    along = light @ np.stack(axes, axis=-1)
+    at, sample = np.nonzero((along[..., 0] > 0) & (density > 0))
     for reaches in setup.obstacles:
         ends = surface.position[at], surface.geometric[at], light[at, sample]
         free = reaches(setup.objects, *ends)
         setup.counts["rays"] += len(at)
         at, sample = at[free], sample[free]
-    cos_i, cos_io, volume = cosines[at, sample].T
-    cos_o = surface.cos_o[at]
-    factor = cos_i / (density[at, sample] * len(setup.offsets))
+    along = along[at, sample]
+    factor = along[:, 0] / (density[at, sample] * len(setup.offsets))
     weights = setup.environment.lookup(light[at, sample]).T * factor
-    return surface.pixel[at], cells(setup.grid, cos_i, cos_o, cos_io, volume), weights
+    index, share = setup.grid.cells(along, components(surface.view, axes), at)
+    if share is None:
+        return surface.pixel[at], index, weights
+    pixel = np.repeat(surface.pixel[at], index.shape[1])
+    return pixel, index.ravel(), (weights[..., None] * share).reshape(3, -1)
 
 
 @cache
@@ -210,26 +213,3 @@ def _points(rays: int, count: int) -> NDArray[np.float64]:
     points = low_discrepancy(rays * count).reshape(rays, count, 2)
     # In the order of x, so that neighbours in memory search the same part of the light.
     return np.take_along_axis(points, np.argsort(points[..., :1], axis=1), axis=1)
-
-
-def cells(
-    grid: Grid, cos_i: NDArray, cos_o: NDArray, cos_io: NDArray, volume: NDArray
-) -> NDArray[np.int32]:
-    """Cells that hold pairs of directions above the horizon.
-
-    The same as ``grid.cell(*half_difference(light, view, normal))``, at a third of the cost. Some
-    of the cells have a centre below the horizon, where tables are empty: 0.004 % of the light
-    that a white material reflects is lost there.
-
-    Parameters
-    ----------
-    grid : Grid
-    cos_i, cos_o, cos_io : ndarray, shape (n,)
-        Cosines of light and normal, view and normal, light and view.
-    volume : ndarray, shape (n,)
-        Of the parallelepiped of light, normal and view: light . (normal x view).
-    """
-    cos_d = np.sqrt(np.maximum((1 + cos_io) / 2, 0))
-    cos_h = np.minimum((cos_i + cos_o) / (2 * cos_d), 1)
-    phi_d = np.arctan2(volume / (2 * cos_d), cos_h * cos_d - cos_i) % np.pi
-    return grid.cell(np.arccos(cos_h), np.arccos(np.minimum(cos_d, 1)), phi_d)

@@ -3,6 +3,7 @@
 Both answer the same two questions, `nearest` and `occluded`. Lengths are in scene units.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol
@@ -128,7 +129,7 @@ class Mesh:
         return self._embree.run(*_single(origins, directions), query="OCCLUDED") >= 0
 
 
-def nearest(objects: tuple[Shape, ...], origins: Array, directions: Array) -> Hits:
+def nearest(objects: Sequence[Shape], origins: Array, directions: Array) -> Hits:
     """First hits of rays with any of the objects; `origins`, unit `directions` (n, 3)."""
     hits = objects[0].nearest(origins, directions)
     for shape in objects[1:]:

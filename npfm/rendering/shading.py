@@ -1,6 +1,6 @@
 """Points to be shaded: what is known of them where light directions are chosen and looked up."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -30,10 +30,8 @@ class Shading:
         return len(self.normal)
 
     def __getitem__(self, chosen: slice | NDArray) -> Self:
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return type(self)(
-            **{name: None if value is None else value[chosen] for name, value in values.items()}
-        )
+        given = {name: value for name, value in vars(self).items() if value is not None}
+        return replace(self, **{name: value[chosen] for name, value in given.items()})
 
     @property
     def cos_o(self) -> Array:

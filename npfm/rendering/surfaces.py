@@ -32,7 +32,7 @@ class Surface(Shading):
     pixel: NDArray[np.int64]
     ray: NDArray[np.int64]
     position: NDArray[np.float64]
-    geometric: NDArray[np.float64]
+    geometric: NDArray[np.floating]
 
 
 def look(
@@ -41,6 +41,8 @@ def look(
     environment: Environment,
     offsets: NDArray,
     resolution: int,
+    *,
+    tangents: bool = False,
 ) -> tuple[Surface, NDArray[np.float32], NDArray[np.float32]]:
     """Trace the camera rays of a picture.
 
@@ -53,6 +55,8 @@ def look(
         Where camera rays pass through a pixel, in [0, 1).
     resolution : int
         Pixels along one side of the square picture.
+    tangents : bool
+        Whether the points need tangents.
 
     Returns
     -------
@@ -75,6 +79,7 @@ def look(
     surface = Surface(
         normal=shading,
         view=view,
+        tangent=meridians(shading) if tangents else None,
         pixel=pixel,
         ray=ray,
         position=position,
@@ -104,3 +109,24 @@ def towards(normal: NDArray, view: NDArray, least: float) -> NDArray:
     across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), np.finfo(float).tiny)
     bent = least * view + np.sqrt(1 - least**2) * across
     return np.where(cosine >= least, normal, bent)
+
+
+def meridians(normal: NDArray) -> NDArray:
+    """Tangents that point upwards as far as they can: on a sphere, along its meridians.
+
+    Parameters
+    ----------
+    normal : ndarray, shape (n, 3)
+        Unit normals.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        Unit vectors across the normals, in the planes of the normals and the y axis; straight up
+        and down, where there is none such, towards -z.
+    """
+    up = np.array([0.0, 1.0, 0.0]) - normal[:, 1:2] * normal
+    level = np.linalg.norm(up, axis=1, keepdims=True)
+    ahead = np.array([0.0, 0.0, -1.0]) + normal[:, 2:] * normal
+    tangent = np.where(level > 1e-7, up, ahead)
+    return tangent / np.linalg.norm(tangent, axis=1, keepdims=True)

@@ -4,7 +4,7 @@ Direct lighting is linear in the BRDF. For a fixed scene a pixel is a weighted s
 entries, so a picture is T @ table. `npfm.rendering.assembly` builds T, once for all materials.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from npfm.errors import NpfmError
+from npfm.reflectance import grids
+from npfm.reflectance.grids import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 from npfm.storage.files import replacing
 
@@ -33,8 +36,8 @@ class Transport:
         Share of a pixel that objects cover.
     backdrop : ndarray of float32, shape (h, w, 3)
         Radiance of the light seen past the objects, times the share of the pixel it fills.
-    grid_shape : ndarray of int64, shape (3,)
-        Bins of the grid of the cells.
+    grid : Grid
+        Whose cells they are.
     """
 
     indptr: NDArray[np.int64]
@@ -42,7 +45,7 @@ class Transport:
     weights: NDArray[np.float32]
     coverage: NDArray[np.float32]
     backdrop: NDArray[np.float32]
-    grid_shape: NDArray[np.int64]
+    grid: Grid
 
     @property
     def foreground(self) -> NDArray[np.bool_]:
@@ -50,12 +53,19 @@ class Transport:
         return self.coverage == 1
 
     @property
+    def arrays(self) -> dict[str, NDArray]:
+        """All of it as arrays by name, the grid by its kind and shape: the files of its folder."""
+        arrays = {name: value for name, value in vars(self).items() if name != "grid"}
+        kind, shape = np.array(self.grid.kind), np.array(self.grid.shape)
+        return arrays | {"grid_kind": kind, "grid_shape": shape}
+
+    @property
     def matrices(self) -> list[csr_array]:
         """T for red, green and blue, shape (pixels, cells)."""
         # SciPy would copy the indices to give them the type of indptr.
         fits = self.indptr[-1] <= np.iinfo(np.int32).max
         indptr = self.indptr.astype(np.int32 if fits else np.int64)
-        shape = self.coverage.size, int(np.prod(self.grid_shape))
+        shape = self.coverage.size, self.grid.size
         return [csr_array((weights, self.indices, indptr), shape=shape) for weights in self.weights]
 
 
@@ -78,11 +88,10 @@ def render(transport: Transport, table: Table) -> NDArray[np.float32]:
     NpfmError
         If the table is on another grid than the matrix was built for.
     """
-    if table.grid.shape != tuple(transport.grid_shape):
-        built = "x".join(map(str, transport.grid_shape))
+    if table.grid != transport.grid:
         raise NpfmError(
-            f"the table is on the grid {table.grid.name}, the scene was built for {built}; "
-            "build the scene for the grid of the table"
+            f"the table is on the grid {table.grid.name}, the scene was built for "
+            f"{transport.grid.name}; build the scene for the grid of the table"
         )
     values = np.maximum(table.values, 0).reshape(3, -1).astype(np.float32)
     picture = np.empty((*transport.coverage.shape, 4), dtype=np.float32)
@@ -97,7 +106,7 @@ def save(path: str | Path, transport: Transport) -> None:
     """Write a matrix as a folder of ``.npy`` files, whole or not at all."""
     with replacing(path) as temporary:
         temporary.mkdir()
-        for name, value in vars(transport).items():
+        for name, value in transport.arrays.items():
             with open(temporary / f"{name}.npy", "wb") as file:
                 # Not np.save, which says nothing when the disk is full for its last bytes.
                 np.lib.format.write_array(SimpleNamespace(write=file.write), value)
@@ -111,10 +120,20 @@ def load(path: str | Path) -> Transport:
     NpfmError
         If a file of the folder is absent or damaged.
     """
-    names = Transport.__dataclass_fields__
+
+    def read(name: str) -> NDArray:
+        return np.load(Path(path) / f"{name}.npy", mmap_mode="r")
+
     try:
-        return Transport(**{n: np.load(Path(path) / f"{n}.npy", mmap_mode="r") for n in names})
-    except (OSError, ValueError) as error:
+        arrays = {
+            field.name: read(field.name) for field in fields(Transport) if field.name != "grid"
+        }
+        shape = read("grid_shape")
+        # Matrices had only one kind of grid at first, and did not name it.
+        named = (Path(path) / "grid_kind.npy").exists()
+        kind = str(read("grid_kind")) if named else HalfDifference.kind
+        return Transport(**arrays, grid=grids.named(kind, shape.tolist()))
+    except (OSError, ValueError, NpfmError) as error:
         raise NpfmError(
             f"{path}: not a transport matrix that npfm wrote ({error}); build it again"
         ) from error

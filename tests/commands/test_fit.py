@@ -173,7 +173,7 @@ def broken(kind, path, felt):
         case "both infinities":
             content[8012:8028] = struct.pack("<2d", float("inf"), float("-inf"))
         case "an empty channel":
-            content[-8 * MERL.cells :] = np.full(MERL.cells, -1.0).tobytes()
+            content[-8 * MERL.size :] = np.full(MERL.size, -1.0).tobytes()
     path.write_bytes(content)
 
 

@@ -18,7 +18,7 @@ from npfm.fitting.objective import Objective
 from npfm.fitting.solvers.choice import chosen
 from npfm.fitting.solvers.problem import SolverSettings
 from npfm.models import g_from_d, independent_g
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import CHANNELS, INVALID, Table
 from npfm.rendering import assembly, transport
 from npfm.rendering.lights import environment
@@ -31,7 +31,7 @@ from npfm.run.accuracy_cost import plan
 from npfm.run.config import check
 
 DEFAULT = yaml.safe_load((Path(__file__).parents[2] / "config.yaml").read_text())
-GRID = Grid(6, 5, 8)
+GRID = HalfDifference(6, 5, 8)
 
 
 def planned(**changes):
@@ -134,7 +134,7 @@ def matrix():
     rng = np.random.default_rng(3)
     indptr = np.array([0, 4, 4, 9, 15, 20, 25])
     indices = np.concatenate(
-        [np.sort(rng.choice(GRID.cells, n, replace=False)) for n in np.diff(indptr)]
+        [np.sort(rng.choice(GRID.size, n, replace=False)) for n in np.diff(indptr)]
     )
     coverage = np.ones((3, 2), dtype=np.float32)
     backdrop = np.zeros((3, 2, 3), dtype=np.float32)
@@ -145,7 +145,7 @@ def matrix():
         weights=rng.random((3, 25)).astype(np.float32),
         coverage=coverage,
         backdrop=backdrop,
-        grid_shape=np.array(GRID.shape),
+        grid=GRID,
     )
 
 
@@ -247,7 +247,7 @@ def test_the_price_of_a_decibel():
 
 def test_either_way_of_sampling_alone_estimates_the_same_picture():
     rows = np.arange(8)[:, None, None] + np.arange(16)[:, None] / 4 + np.ones(3)
-    light, grid = Environment(rows), Grid(12, 12, 24)
+    light, grid = Environment(rows), HalfDifference(12, 12, 24)
     white = Table(np.full((3, *grid.shape), 0.3), grid)
     scene = Scene(("sphere",))
 
@@ -275,12 +275,12 @@ def test_a_scene_records_how_it_was_made(tmp_path):
     stored = transport.load(tmp_path / "scene")
     assert stored.coverage.shape == (4, 4)
     assert made["nonzeros"] == stored.indptr[-1] > 0
-    assert made["bytes"] == sum(array.nbytes for array in vars(stored).values())
+    assert made["bytes"] == sum(array.nbytes for array in stored.arrays.values())
 
 
 @pytest.fixture(scope="module")
 def glossy():
-    grid = Grid(18, 18, 36)
+    grid = HalfDifference(18, 18, 36)
     lobe = np.exp(-((grid.theta_h / 0.3) ** 2))[:, None, None] + np.zeros(grid.shape)
     values = np.stack([0.1 + k * lobe for k in (1, 2, 3)])
     return Table(np.where(grid.above_horizon, values, INVALID), grid)

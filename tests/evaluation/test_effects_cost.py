@@ -11,7 +11,7 @@ from npfm.__main__ import main
 from npfm.errors import NpfmError
 from npfm.evaluation import effects_cost as costs
 from npfm.evaluation.metrics import psnr
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import INVALID, Table
 from npfm.rendering import assembly, transport
 from npfm.rendering.effects import EFFECTS
@@ -22,7 +22,7 @@ from npfm.run.effects_cost import Plan
 from npfm.storage.pictures import read_exr_parts
 
 DEFAULT = yaml.safe_load((Path(__file__).parents[2] / "config.yaml").read_text())
-GRID = Grid(6, 5, 8)
+GRID = HalfDifference(6, 5, 8)
 
 
 @pytest.fixture(scope="module")

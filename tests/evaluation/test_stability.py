@@ -17,7 +17,7 @@ from npfm.evaluation.hard_cases import CASES
 from npfm.evaluation.metrics import psnr
 from npfm.fitting import channels, fits, registry
 from npfm.fitting.solvers.problem import SolverSettings
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.merl import write_binary
 from npfm.reflectance.table import CHANNELS, INVALID, Table
 from npfm.rendering import assembly, transport
@@ -25,7 +25,7 @@ from npfm.rendering.lights.environment import Environment
 from npfm.rendering.scenes import Scene
 
 ROOT = Path(__file__).parents[2]
-GRID = Grid(8, 8, 16)
+GRID = HalfDifference(8, 8, 16)
 STARTS = 2
 #: Cases that are refused, and what the refusal says.
 REFUSED = {

@@ -9,11 +9,11 @@ from npfm.errors import NpfmError
 from npfm.evaluation import tables
 from npfm.fitting.fits import ChannelRecord, Fit, Trace, save
 from npfm.papers import bagher2016
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import CHANNELS
 from npfm.storage.pictures import write_exr
 
-GRID = Grid(30, 10, 6)
+GRID = HalfDifference(30, 10, 6)
 SCENES, MATERIALS, VARIANTS = ["B", "A"], ["felt", "chrome"], ["naive", "bivariate"]
 
 

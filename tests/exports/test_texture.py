@@ -10,7 +10,7 @@ from npfm.exports.texture import rows, texture
 from npfm.fitting import fits
 from npfm.fitting.fits import Fit
 from npfm.models.independent_g import parameter_count
-from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.half_difference import MERL, HalfDifference
 
 
 def fit(seed):
@@ -45,6 +45,6 @@ def test_the_verb_writes_floats_and_a_header(tmp_path):
 
 
 def test_other_fits_are_refused():
-    coarse = replace(fit(1), grid=Grid(30, 30, 30))
+    coarse = replace(fit(1), grid=HalfDifference(30, 30, 30))
     with pytest.raises(NpfmError, match="fit of nylon does not go into a texture"):
         texture({"chrome": fit(1), "nylon": coarse})

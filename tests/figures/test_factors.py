@@ -14,10 +14,10 @@ from npfm.fitting import fits
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective, channel_samples
 from npfm.papers.authors_factors import G_THETA
-from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.table import Table
 
-GRID = Grid(18, 15, 12)
+GRID = HalfDifference(18, 15, 12)
 
 
 def table():

@@ -9,7 +9,7 @@ import pytest
 from npfm.errors import NpfmError
 from npfm.fitting import fits
 from npfm.fitting.fits import ChannelRecord, Fit, Trace
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def fit():
         "B": rng.random((3, 4, 5)).astype(np.float32),
         "rho_d": rng.random(3).astype(np.float32),
     }
-    return Fit("bivariate", parameters, Grid(4, 5, 6), records)
+    return Fit("bivariate", parameters, HalfDifference(4, 5, 6), records)
 
 
 def test_counts(fit):
@@ -36,7 +36,7 @@ def test_counts(fit):
 def test_a_fit_comes_back_from_its_file(tmp_path, fit):
     fits.save(tmp_path / "a.npz", fit)
     back = fits.load(tmp_path / "a.npz")
-    assert (back.model, back.grid, back.records) == ("bivariate", Grid(4, 5, 6), ())
+    assert (back.model, back.grid, back.records) == ("bivariate", HalfDifference(4, 5, 6), ())
     assert back.parameters.keys() == fit.parameters.keys()
     for name, array in fit.parameters.items():
         assert back.parameters[name].dtype == np.float32

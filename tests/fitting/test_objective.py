@@ -22,10 +22,10 @@ from npfm.fitting.objective import (
     weighted_median,
 )
 from npfm.reflectance.angles import directions
-from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.table import Table
 
-SMALL = Grid(10, 12, 16)
+SMALL = HalfDifference(10, 12, 16)
 
 
 def measured(grid, seed=0, missing=0.1):
@@ -173,7 +173,7 @@ def test_black_has_the_unit_1_per_sr():
 @pytest.mark.parametrize("dark", [0.0, 1e-300, 1e-13])
 def test_where_most_is_black_the_unit_is_that_of_the_rest(dark):
     """One cell in eight is not black: the unit is their median, and grows with the table."""
-    bright = np.arange(SMALL.cells).reshape(SMALL.shape) % 8 == 0
+    bright = np.arange(SMALL.size).reshape(SMALL.shape) % 8 == 0
     table = measured(SMALL, missing=0)
     values = np.where(bright | ~SMALL.above_horizon, table.values, dark)
     samples = channel_samples(Table(values, SMALL), 0, Objective())

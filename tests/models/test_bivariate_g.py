@@ -14,7 +14,7 @@ from npfm.fitting.solvers.choice import SOLVERS, chosen
 from npfm.fitting.solvers.problem import SolverSettings
 from npfm.models import bivariate_g
 from npfm.models.bivariate_g import BivariateGProblem, best_B, best_rho_d
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import INVALID, Table
 
 solve = chosen(SolverSettings())
@@ -32,7 +32,7 @@ def shaped(grid, value):
 def thinned(table, every=5):
     """A measurement on every fifth bin, whose centres are centres of the whole grid's bins."""
     middle = slice(every // 2, None, every)
-    grid = Grid(*(bins // every for bins in table.grid.shape))
+    grid = HalfDifference(*(bins // every for bins in table.grid.shape))
     return Table(table.values[:, middle, middle, middle], grid)
 
 
@@ -110,7 +110,7 @@ def test_the_matrix_is_the_schur_complement_of_that_of_all_unknowns(table):
 
 def test_general_least_squares_find_the_same_minimum():
     """All of B, G and rho_d at once, from the same start; no bound is met."""
-    grid = Grid(8, 8, 40)
+    grid = HalfDifference(8, 8, 40)
     lobe = np.exp(-((np.tan(grid.theta_h[:, None, None]) / 0.3) ** 2)) + 0.3
     cos_i, cos_o = (np.maximum(cosine, 0) for cosine in grid.cosines)
     fresnel = 0.05 + 0.95 * (1 - np.cos(grid.theta_d)[:, None]) ** 4

@@ -8,7 +8,7 @@ from npfm.datasets.parameter_files import FitFile, read
 from npfm.fitting import registry
 from npfm.fitting.objective import Objective, channel_samples
 from npfm.fitting.parametric import author_metrics
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 #: Each of our fits: what it minimises, and the published fit of the same form.
@@ -22,7 +22,7 @@ COMPARED = {
 
 def thinned(table):
     """Every third bin of theta_h and theta_d, every fifteenth of phi_d: centres stay centres."""
-    return Table(table.values[:, 1::3, 1::3, 7::15], Grid(30, 30, 12))
+    return Table(table.values[:, 1::3, 1::3, 7::15], HalfDifference(30, 30, 12))
 
 
 def error(metric, measured, table):
@@ -66,7 +66,7 @@ def test_every_model_that_is_compared_with_is_here():
 
 def test_the_weight_of_solid_angle_is_that_of_both_directions():
     """Cosines have the means that they have over two independent directions of a hemisphere."""
-    grid = Grid()
+    grid = HalfDifference()
     weight = np.where(grid.above_horizon, author_metrics.solid_angles(grid), 0.0)
     cos_i, cos_o = grid.cosines
     for values, mean in ((cos_i, 1 / 2), (cos_o**2, 1 / 3), (cos_i * cos_o, 1 / 4)):

@@ -10,7 +10,7 @@ from npfm.fitting import fits, registry
 from npfm.fitting.objective import Objective, channel_samples, evaluate, fold
 from npfm.fitting.solvers.choice import SOLVERS, chosen
 from npfm.fitting.solvers.problem import SolverSettings
-from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.table import CHANNELS, INVALID, Table
 
 #: Bytes of a material (section 3 of Bagher et al. 2016, and its rule for the others).
@@ -200,7 +200,7 @@ def odd_tables(grid):
     """Values that leave a model little to hold on to, one a channel."""
     theta_h, (cos_i, cos_o) = grid.theta_h[:, None, None], grid.cosines
     noise = np.random.default_rng(5).random(grid.shape)
-    one_cell = np.arange(grid.cells).reshape(grid.shape) == 1111
+    one_cell = np.arange(grid.size).reshape(grid.shape) == 1111
     return {
         "white, noise, dark spot": (1 / np.pi, noise, 1 - 0.9 * np.exp(-30 * theta_h**2)),
         "dark or bright at grazing angles, a mirror": (
@@ -217,7 +217,7 @@ def odd_tables(grid):
 
 
 @every_minimiser
-@pytest.mark.parametrize("kinds", odd_tables(Grid(18, 18, 36)))
+@pytest.mark.parametrize("kinds", odd_tables(HalfDifference(18, 18, 36)))
 def test_odd_tables_are_fitted_no_worse_than_by_a_constant(grid, name, kinds):
     table = shaped(grid, *odd_tables(grid)[kinds])
     fit = fit_with(name, table)

@@ -13,7 +13,7 @@ from npfm.datasets import neural
 from npfm.datasets.parameter_files import FitFile, read
 from npfm.fitting import registry
 from npfm.fitting.objective import Objective, counted
-from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.table import Table
 
 #: Bias and magnitude over all samples, bias in the highlight, of the green channel: from the
@@ -38,7 +38,7 @@ def log_ratios(measured, table, channel=1):
 def neural_table(folder, material):
     """Every fifteenth bin of phi_d: centres stay centres."""
     table = neural.load(folder / "merl_nbrdf.zip", material)
-    return Table(table.values[..., 7::15], Grid(phi_d_bins=12))
+    return Table(table.values[..., 7::15], HalfDifference(phi_d_bins=12))
 
 
 def published_table(folder, variant, material, measured):

@@ -9,7 +9,7 @@ from npfm.fitting.solvers.choice import chosen
 from npfm.fitting.solvers.problem import SolverSettings
 from npfm.models import bivariate, naive, tucker
 from npfm.reflectance.angles import directions
-from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.table import Table
 
 SOLVE = chosen(SolverSettings(max_iterations=20))
@@ -25,7 +25,7 @@ def test_the_size_is_that_of_the_original():
     assert round(8 * tucker.parameter_count(MERL), -3) == 77_000
 
 
-@pytest.mark.parametrize("grid", [Grid(18, 18, 36), Grid(6, 10, 12)])
+@pytest.mark.parametrize("grid", [HalfDifference(18, 18, 36), HalfDifference(6, 10, 12)])
 def test_nodes_interpolate_what_is_linear_in_the_angles(grid):
     """By trigonometry on the vectors themselves, cell by cell."""
     light, view = directions(grid.theta_h[:, None, None], grid.theta_d[:, None], grid.phi_d)
@@ -121,7 +121,7 @@ def test_nothing_below_the_horizon_or_missing_is_looked_at(table):
 def test_it_is_a_worthy_opponent(data, name, better):
     """More products than the models that it is compared with have: so it is to be nearer."""
     table = neural.load(data / "merl_nbrdf.zip", name)
-    thinned = Grid(90, 30, 60)
+    thinned = HalfDifference(90, 30, 60)
     table = Table(table.values[:, :, 1::3, 1::3], thinned)
     fits = [model.fit(table, Objective(), SOLVE, 1) for model in (tucker, better)]
     ours, theirs = (

@@ -3,10 +3,10 @@ import pytest
 
 from npfm.papers.authors_distance import READINGS, distance
 from npfm.papers.authors_factors import G_THETA, tabulate_channel
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
-GRID = Grid(18, 18, 36)
+GRID = HalfDifference(18, 18, 36)
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from npfm.errors import NpfmError
 from npfm.papers.authors_distance import distance
 from npfm.papers.authors_factors import G_THETA, read, tabulate_channel
 from npfm.reflectance.angles import directions
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 
 
 def arrays(**changes):
@@ -37,7 +37,7 @@ def test_the_authors_factors_have_maximum_1_and_hide_what_no_sample_touched(data
 
 def test_values_cell_by_cell():
     """G between whole degrees, F of the bin or between whole degrees, nothing where unknown."""
-    grid, rng = Grid(18, 90, 36), np.random.default_rng(2)
+    grid, rng = HalfDifference(18, 90, 36), np.random.default_rng(2)
     D, F, G = rng.random(18), rng.random(90), rng.random(90)
     F[0] = G[0] = np.nan
     at_bins = tabulate_channel(grid, D, F, G, 0.1, 2.0)

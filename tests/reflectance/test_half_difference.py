@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from npfm.reflectance.angles import directions, half_difference
-from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.grids import local_cells
+from npfm.reflectance.half_difference import MERL, HalfDifference
 
 
 def test_the_default_is_merls():
     assert MERL.shape == (90, 90, 180)
-    assert MERL.cells == 1_458_000
+    assert MERL.size == 1_458_000
     assert MERL.name == "half-difference 90x90x180"
 
 
@@ -35,25 +36,25 @@ def test_theta_d_and_phi_d_bins_are_one_degree(degrees):
 def test_upper_ends_fall_into_the_last_bin():
     top = np.array([np.pi / 2])
     last = MERL.cell(top, top, np.array([np.nextafter(np.pi, 0)]))
-    assert last == MERL.cells - 1
+    assert last == MERL.size - 1
 
 
-@pytest.mark.parametrize("grid", [MERL, Grid(18, 18, 36), Grid(7, 5, 4)])
+@pytest.mark.parametrize("grid", [MERL, HalfDifference(18, 18, 36), HalfDifference(7, 5, 4)])
 def test_the_cell_of_a_centre_is_its_own(grid):
     centres = np.meshgrid(grid.theta_h, grid.theta_d, grid.phi_d, indexing="ij")
-    assert (grid.cell(*centres).ravel() == np.arange(grid.cells)).all()
+    assert (grid.cell(*centres).ravel() == np.arange(grid.size)).all()
 
 
 def test_the_cell_of_directions_at_a_centre_is_its_own():
     """Through the angles, so that grid and angles mean the same phi_d."""
-    grid = Grid(18, 18, 36)
+    grid = HalfDifference(18, 18, 36)
     centres = np.meshgrid(grid.theta_h, grid.theta_d, grid.phi_d, indexing="ij")
     angles = half_difference(*directions(*centres))
-    assert (grid.cell(*angles).ravel() == np.arange(grid.cells)).all()
+    assert (grid.cell(*angles).ravel() == np.arange(grid.size)).all()
 
 
 def test_cosines_are_those_of_the_directions():
-    grid = Grid(12, 10, 14)
+    grid = HalfDifference(12, 10, 14)
     centres = np.meshgrid(grid.theta_h, grid.theta_d, grid.phi_d, indexing="ij")
     light, view = directions(*centres)
     np.testing.assert_allclose(grid.cosines[0], light[..., 2], atol=1e-15)
@@ -75,6 +76,35 @@ def test_the_share_above_the_horizon_is_that_of_random_angles():
 
 
 def test_grids_are_equal_by_value():
-    assert Grid(90, 90, 180) == MERL
-    assert hash(Grid(90, 90, 180)) == hash(MERL)
-    assert Grid(90, 90, 90) != MERL
+    assert HalfDifference(90, 90, 180) == MERL
+    assert hash(HalfDifference(90, 90, 180)) == hash(MERL)
+    assert HalfDifference(90, 90, 90) != MERL
+
+
+def random_pairs(count):
+    """Pairs of light and view above the horizon of the z axis, some of them grazing."""
+    rng = np.random.default_rng(0)
+    light, view = rng.normal(size=(2, count, 3)) * [1, 1, 0.5]
+    for direction in (light, view):
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        direction[:, 2] = np.abs(direction[:, 2])
+    return light, view
+
+
+def cells_of(grid, light, view):
+    index, share = local_cells(grid, light, view)
+    assert share is None
+    return index
+
+
+def test_cells_are_those_of_half_difference():
+    light, view = random_pairs(200_000)
+    # Rounding may move a pair of directions over the border of a cell.
+    same = cells_of(MERL, light, view) == MERL.cell(*half_difference(light, view))
+    assert same.mean() > 0.9999
+
+
+def test_exchanging_light_and_view_gives_the_same_cell():
+    light, view = random_pairs(200_000)
+    same = cells_of(MERL, light, view) == cells_of(MERL, view, light)
+    assert same.mean() > 0.9999

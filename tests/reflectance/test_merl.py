@@ -7,7 +7,7 @@ import pytest
 
 from npfm.errors import NpfmError
 from npfm.reflectance import merl
-from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.merl import check_header, read_binary, write_binary
 from npfm.reflectance.table import Table
 
@@ -86,7 +86,12 @@ def test_a_table_comes_back_from_its_file(tmp_path, hand_made):
 
 def test_zero_is_a_measurement_and_minus_one_is_not():
     values = np.array([0.0, 1.0, -1.0, -1e-9]).reshape(1, 1, 2, 2) * np.ones((3, 1, 1, 1))
-    assert Table(values, Grid(1, 2, 2)).valid[0].ravel().tolist() == [True, True, False, False]
+    assert Table(values, HalfDifference(1, 2, 2)).valid[0].ravel().tolist() == [
+        True,
+        True,
+        False,
+        False,
+    ]
 
 
 def test_absent(tmp_path):
@@ -157,7 +162,7 @@ def test_a_channel_without_a_valid_sample(hand_made, channel, name):
 
 
 def test_another_grid_cannot_be_written(tmp_path):
-    table = Table(np.ones((3, 4, 4, 8)), Grid(4, 4, 8))
+    table = Table(np.ones((3, 4, 4, 8)), HalfDifference(4, 4, 8))
     with pytest.raises(NpfmError) as error:
         write_binary(tmp_path / "small.binary", table)
     assert "half-difference 4x4x8" in one_line(error)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.microsurfaces import beckmann, beckmann_area, ggx, ggx_area
 from npfm.reflectance.slopes import (
     ELEVATIONS,
@@ -103,7 +103,7 @@ def test_where_there_are_no_facets_there_are_none_at_another_roughness():
 
 
 def test_a_mirrors_roughness_is_no_more_than_its_first_bins():
-    grid = Grid(30, 30, 60)
+    grid = HalfDifference(30, 30, 60)
     D = np.eye(30)[0]
     assert ggx_roughness(D, grid) < 2 * grid.theta_h[1]
     assert beckmann_roughness(D, grid) < 2 * grid.theta_h[1]

@@ -7,7 +7,7 @@ import pytest
 
 from npfm.__main__ import main
 from npfm.errors import NpfmError
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.rendering import assembly
 from npfm.rendering.effects import EFFECTS, Effect, subdivide, unshadowed
 from npfm.rendering.geometry import Sphere
@@ -119,14 +119,15 @@ for name in ("embreex", "trimesh"):
 import numpy as np
 from npfm.__main__ import main
 from npfm.rendering.assembly import build
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.rendering.lights.environment import Environment
 from npfm.rendering.scenes import Scene
 light = Environment(np.ones((4, 8, 3)))
 options = "--objects sphere --resolution 4 --samples 4"
 assert main(f"scene --light {sys.argv[1]} {options} -o {sys.argv[2]}".split()) == 0
+grid = HalfDifference(9, 9, 18)
 for effects in ((), ("antialiasing",), ("visibility", "antialiasing")):
-    assert build(Scene(("sphere",), effects), light, Grid(9, 9, 18), 8, 32, 0).foreground.any()
+    assert build(Scene(("sphere",), effects), light, grid, 8, 32, 0).foreground.any()
 """
 
 
@@ -137,7 +138,7 @@ def test_sphere_scenes_need_no_ray_library(tmp_path):
 
 
 def built(objects, effects, counts=None):
-    grid = Grid(9, 9, 18)
+    grid = HalfDifference(9, 9, 18)
     return assembly.build(Scene(objects, effects), LIGHT, grid, 8, 64, 0, counts=counts)
 
 

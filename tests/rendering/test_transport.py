@@ -5,10 +5,10 @@ import pytest
 
 from npfm.errors import NpfmError
 from npfm.reflectance.angles import half_difference
-from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.table import Table
 from npfm.rendering import assembly
-from npfm.rendering.assembly import build, cells
+from npfm.rendering.assembly import build
 from npfm.rendering.geometry import nearest
 from npfm.rendering.lights.environment import Environment
 from npfm.rendering.scenes import CAMERA, Scene, place
@@ -18,7 +18,7 @@ from npfm.rendering.transport import load, render, save
 SPHERE = Scene(("sphere",))
 BOTH = Scene(("figure", "sphere"))
 WHITE = Environment(np.ones((8, 16, 3)))
-SMALL = Grid(18, 18, 36)
+SMALL = HalfDifference(18, 18, 36)
 
 
 def uniform(grid=MERL, value=1 / np.pi):
@@ -53,35 +53,6 @@ def test_white_furnace(objects, effects):
     left = colours(transport, table)[transport.foreground]
     np.testing.assert_allclose(left, values, rtol=5e-3)
     assert left.mean() > 0.9998 * values.mean()
-
-
-def random_pairs(count):
-    """Pairs of light and view above the horizon of the z axis, some of them grazing."""
-    rng = np.random.default_rng(0)
-    light, view = rng.normal(size=(2, count, 3)) * [1, 1, 0.5]
-    for direction in (light, view):
-        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-        direction[:, 2] = np.abs(direction[:, 2])
-    return light, view
-
-
-def cells_of(grid, light, view):
-    across = np.cross([0.0, 0, 1], view)
-    cos_io, volume = (np.einsum("ij,ij->i", light, other) for other in (view, across))
-    return cells(grid, light[:, 2], view[:, 2], cos_io, volume)
-
-
-def test_cells_are_those_of_half_difference():
-    light, view = random_pairs(200_000)
-    # Rounding may move a pair of directions over the border of a cell.
-    same = cells_of(MERL, light, view) == MERL.cell(*half_difference(light, view))
-    assert same.mean() > 0.9999
-
-
-def test_exchanging_light_and_view_gives_the_same_cell():
-    light, view = random_pairs(200_000)
-    same = cells_of(MERL, light, view) == cells_of(MERL, view, light)
-    assert same.mean() > 0.9999
 
 
 def test_visibility_changes_nothing_on_a_convex_object():
@@ -271,7 +242,7 @@ def test_a_picture_without_an_object_is_refused():
 
 def test_render_refuses_a_table_on_another_grid():
     transport = build(SPHERE, WHITE, SMALL, 8, 8, 0)
-    with pytest.raises(NpfmError, match=r"90x90x180.*built for 18x18x36"):
+    with pytest.raises(NpfmError, match=r"90x90x180.*built for half-difference 18x18x36"):
         render(transport, uniform())
 
 
@@ -292,9 +263,11 @@ def test_save_and_load(tmp_path):
         save(folder, transport)
     assert [path.name for path in folder.parent.iterdir()] == ["scene"]
     loaded = load(folder)
-    for name, value in vars(transport).items():
-        read = getattr(loaded, name)
-        assert isinstance(read, np.memmap) and read.dtype == value.dtype
+    assert loaded.grid == SMALL
+    for name, value in transport.arrays.items():
+        read = loaded.arrays[name]
+        assert read.dtype == value.dtype
+        assert isinstance(read, np.memmap) or name.startswith("grid")
         np.testing.assert_array_equal(read, value)
     table = glossy(SMALL)
     np.testing.assert_array_equal(render(loaded, table), render(transport, table))
@@ -316,3 +289,16 @@ def test_load_names_a_damaged_folder(tmp_path):
     for folder in (tmp_path / "scene", tmp_path / "absent"):
         with pytest.raises(NpfmError, match=f"{folder}: not a transport matrix.*build it again"):
             load(folder)
+
+
+def test_a_folder_that_names_no_kind_of_grid_is_on_half_difference(tmp_path):
+    save(tmp_path / "scene", build(SPHERE, WHITE, SMALL, 8, 8, 0))
+    (tmp_path / "scene" / "grid_kind.npy").unlink()
+    assert load(tmp_path / "scene").grid == SMALL
+
+
+def test_a_folder_on_an_unknown_kind_of_grid_is_refused(tmp_path):
+    save(tmp_path / "scene", build(SPHERE, WHITE, SMALL, 8, 8, 0))
+    np.save(tmp_path / "scene" / "grid_kind.npy", np.array("spherical"))
+    with pytest.raises(NpfmError, match=r"not a transport.*unknown kind of grid 'spherical'"):
+        load(tmp_path / "scene")

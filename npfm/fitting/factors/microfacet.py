@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from npfm.fitting.factors.problem import FactorProblem, State, Sums, updated_D, updated_F
 from npfm.fitting.objective import Samples
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 
 Array = NDArray[np.float64]
 
@@ -66,7 +66,7 @@ def compiled() -> ModuleType:
 
 
 @lru_cache(maxsize=4)
-def elevations(grid: Grid, every: int = 1) -> Elevations:
+def elevations(grid: HalfDifference, every: int = 1) -> Elevations:
     """Elevations of the folded half of a grid, of every n-th bin of phi_d from the middle on."""
     half = grid.phi_d_bins // 2
     kept = slice(every // 2, half, every)
@@ -206,7 +206,7 @@ class MicrofacetProblem(FactorProblem):
 
 
 def tabulate_channel(
-    grid: Grid, D: NDArray, F: NDArray, G: NDArray, rho_d: float, rho_s: float
+    grid: HalfDifference, D: NDArray, F: NDArray, G: NDArray, rho_d: float, rho_s: float
 ) -> Array:
     """Equation 3 at every cell of a grid for one channel; below the horizon it is rho_d.
 
@@ -219,7 +219,9 @@ def tabulate_channel(
     return tabulate_product(grid, product, G, rho_d, rho_s)
 
 
-def tabulate_product(grid: Grid, B: NDArray, G: NDArray, rho_d: float, rho_s: float) -> Array:
+def tabulate_product(
+    grid: HalfDifference, B: NDArray, G: NDArray, rho_d: float, rho_s: float
+) -> Array:
     """Equation 3 with B(theta_h, theta_d) in place of D F (see `tabulate_channel`)."""
     half = kernel(elevations(grid), np.asarray(G, dtype=float))
     whole = np.concatenate([half, half[:, ::-1]], axis=1).reshape(grid.shape)

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.slopes import facing
 
 #: Gauss-Legendre points in each interval between the nodes of D.
@@ -18,7 +18,7 @@ QUADRATURE_POINTS = 8
 
 
 @lru_cache(maxsize=4)
-def _quadrature(grid: Grid) -> tuple[NDArray, NDArray]:
+def _quadrature(grid: HalfDifference) -> tuple[NDArray, NDArray]:
     """Points theta_h (q,) and the matrix (q, bins) that turns D into D(theta_h) sin dtheta_h.
 
     D is linear between the bin centres and constant outside them (section 4.3).
@@ -34,13 +34,13 @@ def _quadrature(grid: Grid) -> tuple[NDArray, NDArray]:
 
 
 @lru_cache(maxsize=4)
-def normalisation_vector(grid: Grid) -> NDArray[np.float64]:
+def normalisation_vector(grid: HalfDifference) -> NDArray[np.float64]:
     """Vector n, shape (theta_h_bins,), with n @ D the integral of D cos(theta_h) (equation 19)."""
     theta, hats = _quadrature(grid)
     return 2 * np.pi * np.cos(theta) @ hats
 
 
-def diffuseness(normal_distribution: NDArray, grid: Grid) -> NDArray[np.float64]:
+def diffuseness(normal_distribution: NDArray, grid: HalfDifference) -> NDArray[np.float64]:
     """Equation 19 of a normal distribution with maximum 1: small for mirrors, large for chalk.
 
     Parameters
@@ -57,12 +57,12 @@ def diffuseness(normal_distribution: NDArray, grid: Grid) -> NDArray[np.float64]
 
 
 @lru_cache(maxsize=4)
-def shadowing_matrix(grid: Grid, elevations: tuple[float, ...]) -> NDArray[np.float64]:
+def shadowing_matrix(grid: HalfDifference, elevations: tuple[float, ...]) -> NDArray[np.float64]:
     """Matrix A, shape (elevations, theta_h_bins), with A @ D = S / cos(theta_o).
 
     Parameters
     ----------
-    grid : Grid
+    grid : HalfDifference
         Where D is tabulated.
     elevations : tuple of float
         theta_o in radians, below pi / 2.
@@ -73,7 +73,7 @@ def shadowing_matrix(grid: Grid, elevations: tuple[float, ...]) -> NDArray[np.fl
 
 
 def masking_shadowing(
-    normal_distribution: NDArray, grid: Grid, elevations: NDArray
+    normal_distribution: NDArray, grid: HalfDifference, elevations: NDArray
 ) -> NDArray[np.float64]:
     """Smith's G1 of a tabulated normal distribution.
 
@@ -81,7 +81,7 @@ def masking_shadowing(
     ----------
     normal_distribution : ndarray, shape (theta_h_bins,)
         D at the bin centres, in any scale, non-negative and not all zero.
-    grid : Grid
+    grid : HalfDifference
         Where D is tabulated.
     elevations : ndarray
         theta_o in radians, below pi / 2.
@@ -97,7 +97,7 @@ def masking_shadowing(
 
 
 def log_derivative(
-    normal_distribution: NDArray, grid: Grid, elevations: NDArray
+    normal_distribution: NDArray, grid: HalfDifference, elevations: NDArray
 ) -> NDArray[np.float64]:
     """Derivative of log G1 with respect to log D, for G1 scaled to maximum 1.
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.fitting.objective import Samples
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 
 #: Ngan et al. leave light and view directions beyond it out, Loew et al. theta_h and theta_d.
 AUTHORS_LIMIT = np.deg2rad(80)
@@ -25,7 +25,7 @@ class Goal:
         In 1/sr.
     logarithmic : bool
         Whether T is log(1 + cos(theta_i) x), else it is x itself.
-    grid : Grid
+    grid : HalfDifference
         Where the samples lie.
     """
 
@@ -33,10 +33,10 @@ class Goal:
     value: NDArray[np.float64]
     scale: NDArray[np.float64]
     logarithmic: bool
-    grid: Grid
+    grid: HalfDifference
 
 
-def solid_angles(grid: Grid) -> NDArray[np.float64]:
+def solid_angles(grid: HalfDifference) -> NDArray[np.float64]:
     """Solid angles of light and view directions that a cell stands for, but for a constant.
 
     4 cos(theta_d) sin(theta_d) sin(theta_h) d(theta_h) d(theta_d) d(phi_d), with the

@@ -19,7 +19,7 @@ from npfm.fitting.objective import Objective, Samples
 from npfm.fitting.power_iterations.eigenproblem import distribution
 from npfm.fitting.power_iterations.fresnel import fresnel
 from npfm.fitting.power_iterations.mirrors import mirrors
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.slopes import normalised, projected_area
 from npfm.reflectance.table import CHANNELS, Table
 
@@ -39,11 +39,11 @@ class Form:
         The normalised D at the bin centres, and its projected areas at `ELEVATIONS`, of those.
     """
 
-    convert: Callable[[Array, Grid], Parameters]
-    surface: Callable[[Parameters, Grid], tuple[Array, Array]]
+    convert: Callable[[Array, HalfDifference], Parameters]
+    surface: Callable[[Parameters, HalfDifference], tuple[Array, Array]]
 
 
-def tabulated_surface(p: Parameters, grid: Grid) -> tuple[Array, Array]:
+def tabulated_surface(p: Parameters, grid: HalfDifference) -> tuple[Array, Array]:
     """`Form.surface` of a distribution that is kept as it is."""
     D = normalised(p["D"][0], grid)
     return D, projected_area(D, grid)
@@ -116,7 +116,7 @@ def tabulate(form: Form, fit: Fit) -> Table:
     return as_table(values, fit.grid)
 
 
-def parameter_count(form: Form, grid: Grid) -> int:
+def parameter_count(form: Form, grid: HalfDifference) -> int:
     """Number of values stored for a material: rho_s and F of each channel, and the distribution."""
     shape = form.convert(np.ones(grid.theta_h_bins), grid)
     factors = len(CHANNELS) * (1 + grid.theta_d_bins)

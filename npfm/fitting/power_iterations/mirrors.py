@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.slopes import ELEVATIONS
 
 Array = NDArray[np.float64]
@@ -48,7 +48,7 @@ class Cells:
 
 
 @lru_cache(maxsize=2)
-def cells(grid: Grid) -> Cells:
+def cells(grid: HalfDifference) -> Cells:
     """Place the folded cells of a grid."""
     half = grid.phi_d_bins // 2
     cosines = tuple(np.clip(cosine[..., :half], 0.0, 1.0) for cosine in grid.cosines)
@@ -58,7 +58,7 @@ def cells(grid: Grid) -> Cells:
     return Cells(cosines, nodes, parts)
 
 
-def mirrors(D: NDArray, sigma: NDArray, grid: Grid) -> Array:
+def mirrors(D: NDArray, sigma: NDArray, grid: HalfDifference) -> Array:
     """Values of the BRDF for F = 1, that of ideal mirrors: equation 19 of Dupuy et al. 2015.
 
     Parameters
@@ -67,7 +67,7 @@ def mirrors(D: NDArray, sigma: NDArray, grid: Grid) -> Array:
         Normalised, at the bin centres.
     sigma : ndarray
         Its projected areas at `ELEVATIONS`.
-    grid : Grid
+    grid : HalfDifference
         Where D is tabulated.
 
     Returns

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.reflectance.half_difference import HALF_PI, Grid
+from npfm.reflectance.grids import Grid
 from npfm.rendering.sampling.strategy import Given
 from npfm.rendering.shading import Shading
 
@@ -25,8 +25,8 @@ class HalfVectorSampling:
     """
 
     def __init__(self, grid: Grid):
-        self.bins = grid.theta_h_bins
-        self.edges = (np.arange(self.bins + 1) / self.bins) ** 2 * HALF_PI
+        self.grid = grid
+        self.edges = grid.theta_h_edges
 
     def sample(self, u: Array, at: Shading) -> Array:
         """Light directions (p, m, 3) of points `u` (p, m, 2) of the unit square."""
@@ -50,8 +50,8 @@ class HalfVectorSampling:
         cos_d = np.sqrt((1 + np.where(above, cos_io, 0)) / 2)
         cos_h = np.where(above, np.minimum((cos_i + np.cos(theta_o)) / (2 * cos_d), 1), 1)
         theta_h = np.arccos(cos_h)
-        k = (np.sqrt(theta_h / HALF_PI) * self.bins).astype(int)
-        upper, lower = self._cosines(np.minimum(k, count - 1), limit)
+        k = np.minimum(self.grid.theta_h_bin(theta_h), count - 1)
+        upper, lower = self._cosines(k, limit)
         # At the rim of the range no azimuth is left; the floor keeps the density finite there.
         azimuths = 2 * np.maximum(_azimuth_limit(theta_h, theta_o), 1e-9)
         return np.where(above, 1 / (count * (upper - lower) * azimuths * 4 * cos_d), 0)
@@ -59,7 +59,7 @@ class HalfVectorSampling:
     def _range(self, at: Shading) -> tuple[Array, Array, NDArray[np.int64]]:
         """theta_o, the largest useful theta_h and the number of bins up to it, each (p, 1)."""
         theta_o = np.arccos(np.clip(at.cos_o, 0, 1))[:, None]
-        limit = (HALF_PI + theta_o) / 2
+        limit = (np.pi / 2 + theta_o) / 2
         return theta_o, limit, np.searchsorted(self.edges, limit)
 
     def _cosines(self, k: NDArray[np.int64], limit: Array) -> tuple[Array, Array]:

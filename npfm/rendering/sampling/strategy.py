@@ -15,7 +15,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.grids import Grid
 from npfm.reflectance.table import Table
 from npfm.rendering.lights.environment import Environment
 from npfm.rendering.shading import Shading

@@ -19,7 +19,7 @@ from npfm.models.g_from_d import GFromDProblem
 from npfm.models.independent_g import IndependentGProblem
 from npfm.models.naive import NaiveProblem
 from npfm.reflectance.angles import directions
-from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.table import Table
 
 
@@ -104,7 +104,7 @@ def test_objective_from_sums_is_the_sum_over_all_samples(table, kind, channel):
 
 
 def test_kernel_at_every_cell():
-    grid = Grid(30, 30, 60)
+    grid = HalfDifference(30, 30, 60)
     G = np.exp(np.random.default_rng(1).uniform(-3, 0, G_NODES))
     found = kernel(elevations(grid), G).reshape(30, 30, 30)
     expected = microfacet(grid, np.ones(30), np.ones(30), G, 0.0, 1.0)[..., :30]
@@ -274,7 +274,7 @@ def test_a_thinned_problem_is_that_of_its_samples(table, kind):
 
 def test_a_thinned_problem_stands_for_the_whole():
     """Its relative objective is about that of all samples, so that starts can be compared."""
-    grid = Grid(18, 18, 180)
+    grid = HalfDifference(18, 18, 180)
     cos_i, cos_o = grid.cosines
     value = 0.2 + np.maximum(cos_i * cos_o, 0) + np.exp(-20 * grid.theta_h[:, None, None] ** 2)
     table = Table(np.where(grid.above_horizon, value, -1) * np.ones((3, 1, 1, 1)), grid)
@@ -316,7 +316,9 @@ def test_g_of_d_between_states_is_that_of_the_d_between(table):
 def test_g_from_d_finds_the_tail_of_a_mirror():
     """From its slices alone it ends where G, and with it the whole lobe, is wrong."""
     mirror = synthetic.load("mirror-metal", 1)
-    thin = Table(np.ascontiguousarray(mirror.values[:, 1::3, 1::3, 1::3]), Grid(30, 30, 60))
+    thin = Table(
+        np.ascontiguousarray(mirror.values[:, 1::3, 1::3, 1::3]), HalfDifference(30, 30, 60)
+    )
     samples = fold(channel_samples(thin, 0, Objective()))
     reached = {
         count: g_from_d.fit_samples(samples, chosen(SolverSettings()), starts=count)[1][0]

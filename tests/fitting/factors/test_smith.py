@@ -11,7 +11,7 @@ from npfm.fitting.factors.smith import (
     normalisation_vector,
     shadowing_matrix,
 )
-from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.half_difference import MERL, HalfDifference
 
 
 def ggx(theta, roughness):
@@ -71,7 +71,7 @@ def test_ggx_in_closed_form(roughness, up_to_80, up_to_89):
 def test_ggx_gets_closer_with_the_bins():
     errors = []
     for bins in (45, 180, 720):
-        fine = Grid(bins, 2, 4)
+        fine = HalfDifference(bins, 2, 4)
         found = masking_shadowing(ggx(fine.theta_h, 0.3), fine, G_THETA)
         errors.append(np.abs(found / ggx_g1(G_THETA, 0.3) - 1).max())
     assert errors[1] < errors[0] / 12  # second order: 16 at best
@@ -113,7 +113,7 @@ def test_the_scale_of_d_does_not_matter():
 
 def test_closed_form_of_the_azimuth_integral():
     """Rows of the matrix against a plain sum over azimuth and theta_h."""
-    small = Grid(6, 2, 4)
+    small = HalfDifference(6, 2, 4)
     theta_o = 1.1
     row = shadowing_matrix(small, (theta_o,))[0] * np.cos(theta_o)
     theta = (np.arange(3000) + 0.5) / 3000 * np.pi / 2

@@ -8,7 +8,7 @@ from npfm.fitting import registry
 from npfm.fitting.objective import Objective
 from npfm.fitting.parametric.author_metrics import Goal
 from npfm.fitting.parametric.lobe_fits import COARSE, _thinned
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 
 
 def goal(weight, grid):
@@ -18,7 +18,7 @@ def goal(weight, grid):
 @pytest.mark.parametrize("bins", [(90, 90, 180), (18, 18, 36)])
 def test_the_samples_that_starts_are_compared_on_are_a_fair_part(bins):
     """Each bin of each angle has the share of them that it has of all samples."""
-    grid = Grid(*bins)
+    grid = HalfDifference(*bins)
     counts = grid.above_horizon
     kept = np.zeros(grid.shape, dtype=bool)
     kept.flat[_thinned(goal(counts[None], grid), COARSE)] = True

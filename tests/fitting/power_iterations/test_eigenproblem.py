@@ -12,7 +12,7 @@ from npfm.fitting.power_iterations.eigenproblem import (
     power_iterations,
 )
 from npfm.fitting.power_iterations.mirrors import mirrors
-from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.microsurfaces import beckmann, beckmann_area, ggx, ggx_area
 from npfm.reflectance.slopes import (
     ELEVATIONS,
@@ -94,7 +94,7 @@ def test_backscattering_is_met_at_every_node():
 
 def test_the_consistent_kernel_at_theta_d_0_has_the_absolute_cosine():
     """Integral of |o.h| D in place of that of max(0, o.h) D, as theta_d goes to 0."""
-    grid = Grid(12, 9000, 2)
+    grid = HalfDifference(12, 9000, 2)
     samples = samples_of(*formula("ggx", 0.4, grid), grid)
     found, seen = consistent_kernel(samples)
     theta = grid.theta_h[:, None]

@@ -5,12 +5,12 @@ from npfm.fitting.objective import Objective, channel_samples, evaluate, fold
 from npfm.fitting.power_iterations.fresnel import WAYS, fresnel
 from npfm.fitting.power_iterations.mirrors import mirrors
 from npfm.reflectance.angles import directions
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.microsurfaces import beckmann, ggx, ggx_area
 from npfm.reflectance.slopes import ELEVATIONS, normalised, projected_area
 from npfm.reflectance.table import INVALID, Table
 
-GRID = Grid(18, 18, 36)
+GRID = HalfDifference(18, 18, 36)
 RISE = 0.04 + 0.96 * (1 - np.cos(GRID.theta_d)) ** 5
 
 

@@ -14,7 +14,7 @@ from npfm.fitting.solvers.problem import SolverSettings
 from npfm.models.g_from_d import GFromDProblem
 from npfm.models.independent_g import IndependentGProblem
 from npfm.models.naive import NaiveProblem
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 PROBLEMS = pytest.mark.parametrize(
@@ -32,7 +32,9 @@ def table(data):
 @pytest.fixture(scope="module")
 def samples(table):
     """Its red channel on every ninth bin: centres of 10 bins are centres of MERL's 90."""
-    thin = Table(np.ascontiguousarray(table.values[:, 4::9, 4::9, 4::9]), Grid(10, 10, 20))
+    thin = Table(
+        np.ascontiguousarray(table.values[:, 4::9, 4::9, 4::9]), HalfDifference(10, 10, 20)
+    )
     return channel_samples(thin, 0, Objective())
 
 
@@ -142,7 +144,7 @@ def test_the_gradient_vanishes_at_the_end(samples, kind):
 
 def test_a_factor_that_should_vanish_ends_at_its_bound():
     """A ring: D is 0 but for some bins, and the clamp is where they end."""
-    grid = Grid(18, 18, 36)
+    grid = HalfDifference(18, 18, 36)
     ring = np.exp(-(((grid.theta_h - 0.5) / 0.15) ** 2)) * (np.abs(grid.theta_h - 0.5) < 0.3)
     value = np.where(grid.above_horizon, ring[:, None, None], -1.0)
     samples = fold(channel_samples(Table(value * np.ones((3, 1, 1, 1)), grid), 0, Objective()))
@@ -187,7 +189,7 @@ def test_the_start_that_goes_on_says_where_it_was_when_it_was_chosen(samples):
 
 
 def test_nothing_to_fit_ends_at_once():
-    grid = Grid(10, 10, 20)
+    grid = HalfDifference(10, 10, 20)
     black = np.where(grid.above_horizon, 0.0, -1.0) * np.ones((3, 1, 1, 1))
     problem = NaiveProblem(channel_samples(Table(black, grid), 0, Objective()))
     start = problem.state(np.ones(10), np.ones(10), np.ones(20))

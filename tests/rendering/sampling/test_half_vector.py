@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from shaded import above_horizon, point, smooth, unit
 
-from npfm.reflectance.half_difference import MERL, Grid
+from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.rendering.sampling.half_vector import HalfVectorSampling
 from npfm.rendering.sampling.low_discrepancy import low_discrepancy
 
@@ -46,7 +46,7 @@ def test_half_vector_density_is_zero_below_the_horizon():
 
 def test_half_vectors_follow_the_grid():
     at = point(30.0)
-    strategy = HalfVectorSampling(Grid(10, 10, 20))
+    strategy = HalfVectorSampling(HalfDifference(10, 10, 20))
     light = strategy.sample(low_discrepancy(POINTS)[None], at)
     function = smooth(at, (0, 0, 0))
     estimate = (function(light) / strategy.pdf(light, at)).mean()

@@ -10,13 +10,13 @@ from scipy.stats import chi2
 from shaded import about_mirror, above_horizon, point
 
 from npfm.reflectance.angles import half_difference
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import INVALID, Table
 from npfm.rendering.lights.environment import Environment
 from npfm.rendering.sampling import registry
 from npfm.rendering.sampling.strategy import Given
 
-GRID = Grid(18, 18, 36)
+GRID = HalfDifference(18, 18, 36)
 VIEWS = [0.0, 30.0, 65.0, 85.0]
 #: Arrays of a fit of `TABLE`, for the strategies that need one.
 PARAMETERS: dict[str, dict[str, np.ndarray]] = {}
