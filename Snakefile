@@ -2,9 +2,12 @@
 
 import sys
 
-from npfm.run.config import check, prefer_this_python
+from npfm.declarations import NAME_PATTERN
 from npfm.errors import NpfmError
+from npfm.run.config import check, prefer_this_python
+from npfm.run.names import any_of
 from npfm.run.provenance import digest
+from npfm.run.words import as_input, option, path_word, words
 
 
 configfile: "config.yaml"
@@ -26,19 +29,19 @@ prefer_this_python()
 
 
 wildcard_constraints:
-    material="[^/]+",
-    variant="[^/]+",
-    scene="[^/]+",
-    light="[^/]+",
+    material=NAME_PATTERN,
+    variant=NAME_PATTERN,
+    scene=NAME_PATTERN,
+    light=NAME_PATTERN,
 
 
+include: "workflow/rules/npfm.smk"
 include: "workflow/rules/materials.smk"
 include: "workflow/rules/fits.smk"
 include: "workflow/rules/scenes.smk"
 include: "workflow/rules/pictures.smk"
 include: "workflow/rules/tables.smk"
-include: "workflow/rules/paper_figures_pictures.smk"
-include: "workflow/rules/paper_figures_factors.smk"
+include: "workflow/rules/paper_figures.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/reproduction.smk"
 include: "workflow/rules/accuracy_cost.smk"

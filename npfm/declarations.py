@@ -12,7 +12,15 @@ from typing import Any
 
 from npfm.errors import NpfmError
 
-NAME_PATTERN = "[A-Za-z0-9][A-Za-z0-9._-]*"
+#: Names of models and strategies, and of all that becomes a file or a word of a command: no file
+#: system and no shell reads them otherwise, and none can be taken for an option.
+NAME_PATTERN = "[A-Za-z0-9][A-Za-z0-9._-]{0,99}"
+NAMES_ARE = "a name is of A-Z, a-z, 0-9 and, not at its beginning, '.', '_' and '-'; 100 at most"
+
+
+def is_name(name: Any) -> bool:
+    """Whether something fits the pattern."""
+    return isinstance(name, str) and re.fullmatch(NAME_PATTERN, name) is not None
 
 
 def named_files(
@@ -40,10 +48,8 @@ def named_files(
         if "name" not in constants:
             continue
         name = constants.pop("name")
-        if not isinstance(name, str) or not re.fullmatch(NAME_PATTERN, name):
-            raise NpfmError(
-                f"{path}: the NAME {name!r} is not of letters, digits, '.', '_' and '-'"
-            )
+        if not is_name(name):
+            raise NpfmError(f"{path}: the NAME {name!r}: {NAMES_ARE}; choose another")
         if name in found:
             raise NpfmError(f"{path}: there is another {what} of the NAME '{name}'; choose another")
         found[name] = path, constants

@@ -78,7 +78,7 @@ def test_the_line_of_the_page_is_all_that_a_configuration_needs(project):
     code = (
         "import yaml; from npfm.run import config, provenance;"
         "run = config.check(yaml.safe_load(open('mine.yaml')));"
-        "print(run.fit_code('schlick')); print(run.variants['schlick'].options);"
+        "print(run.fit_code('schlick')); print(*run.variants['schlick'].options);"
         "print(*provenance.closure(['npfm.models.schlick']))"
     )
     before, options, closure = run(project, "-c", code).splitlines()

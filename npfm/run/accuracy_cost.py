@@ -74,37 +74,42 @@ class Plan:
         return [f"{folder}/{material}.npz" for folder in dict.fromkeys(self.fit_folders.values())]
 
     @property
-    def fit_arguments(self) -> str:
+    def fit_arguments(self) -> list[str]:
         """Arguments of ``npfm accuracy-cost fits`` that name the fits."""
-        return " ".join(
+        return [
             f"{stage}:{setting}={folder}"
             for stage in self.stages
             for setting, folder in self.settings(stage).items()
-        )
+        ]
+
+    @property
+    def build_names(self) -> list[str]:
+        """Last parts of the names of all scene folders; the last is the reference."""
+        samples = self.run.config["accuracy_cost"]["samples"]
+        return [*(f"{name}-{n}" for name in SAMPLINGS for n in samples), "reference"]
 
     @property
     def builds(self) -> list[str]:
         """Scene folders to compare, those of few samples first."""
-        samples = self.run.config["accuracy_cost"]["samples"]
-        return [f"{self.folder}/scenes/{name}-{n}" for name in SAMPLINGS for n in samples]
+        return [f"{self.folder}/scenes/{name}" for name in self.build_names[:-1]]
 
     @property
     def reference(self) -> str:
         """The scene folder to compare them with."""
-        return f"{self.folder}/scenes/reference"
+        return f"{self.folder}/scenes/{self.build_names[-1]}"
 
     @property
     def scene(self) -> str:
         """Name of the scene whose sampling is examined."""
         return self.run.config["accuracy_cost"]["scene"]
 
-    def scene_options(self, build: str) -> str:
+    def scene_options(self, build: str) -> list[str]:
         """Arguments of ``npfm scene`` for the last part of the name of a scene folder.
 
         The reference has other random numbers than what is compared with it.
         """
         seed = 2 if build == "reference" else 1
-        return f"{self._scene_run(build).scene_options(self.scene)} --seed {seed}"
+        return [*self._scene_run(build).scene_options(self.scene), "--seed", f"{seed}"]
 
     def scene_code(self, build: str) -> str:
         """Digest of the code that builds a scene folder."""

@@ -22,20 +22,25 @@ class Plan:
         """Where all of it goes but tables and figures."""
         return f"{self.run.folder}/effects"
 
+    @property
+    def all_effects(self) -> list[str]:
+        """Effects that can be switched in any scene."""
+        return sorted({effect for scene in self.run.scenes for effect in self.effects(scene)})
+
     def effects(self, scene: str) -> list[str]:
         """Effects that can be switched in a scene: all that are not pointless in it."""
         return [name for name in EFFECTS if not self._run(scene, [name]).warnings]
 
-    def switched(self, scene: str) -> str:
-        """Arguments of ``npfm effects compare`` that name these scenes."""
+    def switched(self, scene: str) -> list[str]:
+        """Arguments of ``npfm effects-cost compare`` that name these scenes."""
         pairs = zip(self.effects(scene), self.builds(scene), strict=True)
-        return "--switched " + " ".join("=".join(pair) for pair in pairs)
+        return ["=".join(pair) for pair in pairs]
 
     def builds(self, scene: str) -> list[str]:
         """Folders of a scene with each of these effects switched."""
         return [f"{self.folder}/scenes/{scene}/{effect}" for effect in self.effects(scene)]
 
-    def scene_options(self, scene: str, effect: str) -> str:
+    def scene_options(self, scene: str, effect: str) -> list[str]:
         """Arguments of ``npfm scene`` for a scene with an effect switched."""
         switched = {effect}.symmetric_difference(self.run.config["scenes"][scene]["effects"])
         return self._run(scene, sorted(switched)).scene_options(scene)

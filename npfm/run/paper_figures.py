@@ -1,10 +1,12 @@
-"""What Figures 3 to 7, 15 and 16 are drawn from, as far as a run has it."""
+"""What Figures 3 to 7 and 9 to 16 are drawn from, as far as a run has it."""
 
 from dataclasses import dataclass
 
+from npfm.figures.compared import LABELS, compared
 from npfm.papers.captions import CAPTIONS, chosen
 from npfm.run.config import Run
 from npfm.run.weighting import MODELS, Weighting
+from npfm.run.words import as_input, option, path_word
 
 
 @dataclass(frozen=True)
@@ -22,61 +24,68 @@ class Drawn:
     """
 
     files: list[str]
-    arguments: str
+    arguments: list[str]
     label: str
 
 
 def drawn(run: Run, weighting: Weighting) -> dict[str, Drawn]:
     """Figures by name; those of models that the run does not have are left out."""
     models = [model for model in MODELS if model in run.variants]
-    figures = {"figure03": _weights(run), "figure04": Drawn([], "", "4: the compressive function")}
+    figures = {"figure03": _weights(run), "figure04": Drawn([], [], "4: the compressive function")}
     if models:
         figures["figure05"] = _slices(run, models)
     if MODELS[0] in models:
         figures |= {"figure06": _factors(run), "figure16": _texture(run)}
     for number in weighting.columns:
         figures[f"figure{number:02}"] = _renderings(run, weighting, number)
+    figures |= {name: _compared(run, name, shown) for name, shown in compared(run.variants).items()}
     return dict(sorted(figures.items()))
 
 
 def _weights(run: Run) -> Drawn:
     [table] = _tables(run, chosen(CAPTIONS[3], run.materials))
-    return Drawn([table], f"--table {table}", "3: weights of the objective")
+    return Drawn([table], ["--table", table], "3: weights of the objective")
 
 
 def _slices(run: Run, models: list[str]) -> Drawn:
     materials = chosen(CAPTIONS[5], run.materials)
     files = _tables(run, materials) + [f for m in models for f in _fits(run, m, materials)]
-    names = f"--materials {' '.join(materials)} --variants {' '.join(models)}"
-    return Drawn(files, f"--run {run.folder} {names}", "5: measured and fitted slices")
+    names = ["--materials", *materials, "--variants", *models]
+    return Drawn(files, ["--run", run.folder, *names], "5: measured and fitted slices")
 
 
 def _factors(run: Run) -> Drawn:
     made = _fits(run, MODELS[0], chosen(CAPTIONS[6], run.materials))
-    arguments = f"--fits {' '.join(made)}"
+    arguments = ["--fits", *made]
     label = "6: factors"
-    if "published_factors" not in run.config:
-        return Drawn(made, arguments, label)
-    published = run.user_file(run.config["published_factors"])
-    return Drawn([*made, published], f"{arguments} --published '{published}'", label)
+    files = [*made, *map(as_input, run.published_factors)]
+    given = option("--published", map(path_word, run.published_factors))
+    return Drawn(files, [*arguments, *given], label)
 
 
 def _texture(run: Run) -> Drawn:
     made = _fits(run, MODELS[0], run.materials)
-    return Drawn(made, f"--fits {' '.join(made)}", "16: texture of all fits")
+    return Drawn(made, option("--fits", made), "16: texture of all fits")
 
 
 def _renderings(run: Run, weighting: Weighting, number: int) -> Drawn:
     table = f"{run.folder}/tables/weighting.csv"
     pairs = weighting.pictures[number].items()
-    columns = " ".join(f"'{heading}={','.join(pair)}'" for heading, pair in pairs)
-    names = (
-        f"--run {run.folder} --scene {run.scenes[0]}"
-        f" --materials {' '.join(weighting.materials[number])} --columns {columns}"
-    )
+    names = [
+        *("--run", run.folder, "--scene", run.scenes[0]),
+        *("--materials", *weighting.materials[number]),
+        *("--columns", *(f"{heading}={','.join(pair)}" for heading, pair in pairs)),
+    ]
     # The table stands for the pictures: it is made from all of them.
     labels = {7: "7: compressive weighting", 15: "15: restricted range of angles"}
-    return Drawn([table], f"{names} --psnr {table}", labels[number])
+    return Drawn([table], [*names, "--psnr", table], labels[number])
+
+
+def _compared(run: Run, figure: str, variants: list[str]) -> Drawn:
+    # The table stands for the pictures: it is made from all of them.
+    table = f"{run.folder}/tables/psnr.csv"
+    names = ["--run", run.folder, "--variants", *variants]
+    return Drawn([table], [*names, "--psnr", table], LABELS[figure])
 
 
 def _tables(run: Run, materials: list[str]) -> list[str]:

@@ -49,8 +49,8 @@ def test_what_is_declared_is_what_the_modules_say():
         ('NAME = "mine"\ndef fit(:\n', "mine.py, line 2"),
         ('NAME = "mine"\n\nSIGNED = tuple("D")\n', "mine.py, line 3"),
         ('NAME = "theirs"\n', "another model of the NAME 'theirs'"),
-        ("NAME = 1\n", "mine.py: the NAME 1 "),
-        ('NAME = "two words"\n', "mine.py: the NAME 'two words' "),
+        ("NAME = 1\n", "mine.py: the NAME 1: "),
+        ('NAME = "two words"\n', "mine.py: the NAME 'two words': "),
     ],
 )
 def test_a_mistake_in_a_file_names_the_file_in_one_line(folder, text, said):

@@ -1,12 +1,15 @@
 import copy
 import tomllib
+import zipfile
 from pathlib import Path
 
 import pytest
 import yaml
 
+from npfm.declarations import NAMES_ARE
 from npfm.errors import NpfmError
 from npfm.fitting import registry
+from npfm.rendering.lights.generated import LIGHTS
 from npfm.run.config import check
 
 ROOT = Path(__file__).parents[2]
@@ -54,14 +57,14 @@ def test_a_variant_may_have_settings_of_its_own():
     run = check(configured(variants=["naive", plain]))
     assert "--no-compressive" in run.variants["plain"].options
     assert "--no-compressive" not in run.variants["naive"].options
-    assert "--model naive" in run.variants["plain"].options
+    assert run.variants["plain"].options[:2] == ("--model", "naive")
 
 
 def test_only_models_that_have_a_rank_or_starts_are_told_them():
     wide = {"name": "wide", "model": "low-rank-b", "rank": 8}
     fewer = {"name": "fewer", "model": "independent-g", "solver": {"starts": 3}}
     run = check(configured(variants=["naive", "low-rank-b", wide, fewer]))
-    options = {name: variant.options for name, variant in run.variants.items()}
+    options = {name: " ".join(variant.options) for name, variant in run.variants.items()}
     assert "--rank 8" in options["wide"]
     assert "--starts 3" in options["fewer"]
     told = options["naive"] + options["low-rank-b"]
@@ -71,7 +74,7 @@ def test_only_models_that_have_a_rank_or_starts_are_told_them():
 def test_settings_may_be_words():
     paper = {"name": "paper", "model": "power-iteration", "kernel": "paper", "fresnel": "mean"}
     run = check(configured(variants=["power-iteration", paper]))
-    assert "--kernel paper --fresnel mean" in run.variants["paper"].options
+    assert "--kernel paper --fresnel mean" in " ".join(run.variants["paper"].options)
     assert "--kernel" not in run.variants["power-iteration"].options
     with pytest.raises(NpfmError, match="kernel: unknown kernel 'papers'; "):
         check(configured(variants=[paper | {"kernel": "papers"}]))
@@ -101,14 +104,15 @@ def test_fits_that_a_published_file_lacks_are_not_made(tmp_path):
     path = str(tmp_path / "fits" / "ngan_cooktorrance.fit")
     assert run.published_inputs("cook-torrance-published") == [path]
     assert run.published_inputs("naive") == []
-    assert f"--published {path}" in run.variants["cook-torrance-published"].options
+    options = run.variants["cook-torrance-published"].options
+    assert options[options.index("--published") + 1] == path
     assert run.fits == [
         ("chalk", "naive"),
         ("chalk", "cook-torrance-published"),
         ("pink-felt", "naive"),
     ]
-    assert run.missing_option == "--missing cook-torrance-published/pink-felt"
-    assert check(DEFAULT).missing_option == ""
+    assert run.missing_option == ["--missing", "cook-torrance-published/pink-felt"]
+    assert check(DEFAULT).missing_option == []
 
 
 def test_a_published_file_without_any_of_the_materials_is_told(tmp_path):
@@ -146,6 +150,15 @@ def test_an_absent_or_bad_published_file_is_told(tmp_path):
         ({"scenes": {"A": {"light": "groove"}}}, r"unknown light 'groove'; did you mean grove"),
         ({"scenes": {"E": {"light": "grove"}}}, r"scenes/E: 'objects' is a required property"),
         ({"lights": {"x": {"file": "x.hdr"}}}, r"lights/x needs either"),
+        ({"lights": {"x": {"generate": "grove; false"}}}, r"x/generate: 'grove; false' is not one"),
+        ({"lights": {"x y": {"generate": "grove"}}}, r"light 'x y': a name is .*; rename it$"),
+        ({"scenes": {"A;B": DEFAULT["scenes"]["A"]}}, r"scene 'A;B': a name is .*; rename it$"),
+        ({"scenes": {"all": DEFAULT["scenes"]["A"]}}, r"scenes/all: .*; rename it$"),
+        ({"scenes": {1: DEFAULT["scenes"]["A"]}}, r"scene 1: a name is .*; rename it$"),
+        ({"name": "../x"}, r"run '../x': a name is .*; rename it$"),
+        ({"name": "n" * 101}, r"run 'n*': a name is of A-Z"),
+        ({"variants": [{"name": "$(x)", "model": "naive"}]}, r"variant '\$\(x\)': a name is"),
+        ({"variants": [{"name": "a\nb", "model": "naive"}]}, r"variant 'a\\nb': a name is"),
         ({"dataset": {"materials": ["chalkk"]}}, r"'chalkk'; did you mean chalk"),
         ({"dataset": {"kind": "neural"}}, r"kind 'neural' needs a 'path'"),
         ({"dataset": {"kind": "neural", "path": "no.zip"}}, r"no\.zip: no such file"),
@@ -158,11 +171,31 @@ def test_mistakes_are_told_in_one_line(changes, message):
     assert "\n" not in str(caught.value)
 
 
+def test_the_lights_that_can_be_generated_are_those_of_the_schema():
+    schema = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
+    light = schema["properties"]["lights"]["additionalProperties"]["properties"]
+    assert light["generate"]["enum"] == sorted(LIGHTS)
+
+
+@pytest.mark.parametrize("kind", ["neural", "merl"])
+def test_a_material_that_no_command_can_name_is_to_be_renamed_where_it_is(tmp_path, kind):
+    name = "a$(touch X)"
+    (tmp_path / f"{name}.binary").touch()
+    with zipfile.ZipFile(tmp_path / "x.zip", "w") as archive:
+        archive.writestr(f"{name}.h5", "")
+    path, suffix = {"neural": ("x.zip", "h5"), "merl": (".", "binary")}[kind]
+    dataset = {"kind": kind, "path": path, "materials": ["*"]}
+    with pytest.raises(NpfmError) as caught:
+        check(configured(data=str(tmp_path), dataset=dataset))
+    said = f"config: the material '{name}': {NAMES_ARE}; rename '{name}.{suffix}' in "
+    assert str(caught.value) == f"{said}{tmp_path / path}"
+
+
 def test_a_scene_of_its_own_needs_nothing_but_config():
     scene = DEFAULT["scenes"]["A"] | {"light": "grove", "effects": ["antialiasing"]}
     run = check(configured(scenes={"E": scene}))
     assert run.scenes == ("A", "B", "C", "D", "E")
-    assert "--effects antialiasing" in run.scene_options("E")
+    assert "--effects antialiasing" in " ".join(run.scene_options("E"))
 
 
 def test_a_pointless_effect_is_warned_of_and_changes_no_job():
@@ -188,12 +221,12 @@ def test_a_scene_may_say_how_it_is_sampled():
     assert "--sampling" not in usual and "--power" not in usual
     sampling = {"strategies": ["light", "cosine"], "power": 2}
     run = check(configured(scenes={"A": {"sampling": sampling}}))
-    assert run.scene_options("A") == usual + " --sampling light cosine --power 2"
+    assert run.scene_options("A") == [*usual, "--sampling", "light", "cosine", "--power", "2"]
     assert run.scene_options("D") == plain.scene_options("D")
     assert run.scene_code("A") != plain.scene_code("A")
     assert run.scene_code("D") == plain.scene_code("D")
     only = check(configured(scenes={"A": {"sampling": {"power": 2}}}))
-    assert only.scene_options("A") == usual + " --power 2"
+    assert only.scene_options("A") == [*usual, "--power", "2"]
     assert only.scene_code("A") == plain.scene_code("A")
 
 

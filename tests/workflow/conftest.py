@@ -70,7 +70,8 @@ class Project:
 
     def configure(self, **changes) -> None:
         """Write config.yaml anew, with top-level keys replaced."""
-        (self.folder / "config.yaml").write_text(yaml.safe_dump(CONFIG | changes))
+        text = yaml.safe_dump(CONFIG | changes, allow_unicode=True)
+        (self.folder / "config.yaml").write_text(text)
 
     def edit(self, file: str, old: str, new: str) -> None:
         """Replace text in a file of the copy."""

@@ -1,9 +1,7 @@
 from npfm.run.accuracy_cost import plan
 
 COST = plan(RUN)
-COST_TABLES = digest(
-    ("npfm.evaluation.accuracy_cost",), ("npfm.commands.accuracy_cost",)
-)
+COST_CODE = digest(("npfm.evaluation.accuracy_cost",), ("npfm.commands.accuracy_cost",))
 
 
 localrules:
@@ -25,7 +23,7 @@ use rule fit as accuracy_cost_fit with:
         options=lambda wildcards: COST.study.variants[wildcards.variant].options,
 
 
-rule accuracy_cost_traces:
+use rule npfm as accuracy_cost_traces with:
     input:
         expand(
             "{folder}/{material}.npz",
@@ -36,20 +34,17 @@ rule accuracy_cost_traces:
         f"{COST.folder}/traces.csv",
     log:
         f"{OUT}/logs/accuracy_cost/traces.log",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
     params:
-        code=COST_TABLES,
-        fits=" ".join(f"{solver}={folder}" for solver, folder in COST.traced.items()),
-        materials=" ".join(COST.materials),
-    shell:
-        "python -m npfm accuracy-cost traces --fits {params.fits} --materials {params.materials}"
-        " -o {output} 2> {log}"
+        verb="accuracy-cost traces",
+        code=COST_CODE,
+        files=lambda wildcards, output: ["-o", *output],
+        options=[
+            *option("--fits", map("=".join, COST.traced.items())),
+            *option("--materials", COST.materials),
+        ],
 
 
-rule accuracy_cost_fits:
+use rule npfm as accuracy_cost_fits with:
     input:
         table=rules.material.output,
         scenes=expand(rules.scene.output.scene, scene=RUN.scenes),
@@ -58,47 +53,40 @@ rule accuracy_cost_fits:
         f"{COST.folder}/fits/{{material}}.csv",
     log:
         f"{OUT}/logs/accuracy_cost/fits/{{material}}.log",
-    conda:
-        "../envs/npfm.yaml"
     resources:
         mem_mb=2500,
         runtime=15,
     params:
-        code=COST_TABLES,
+        verb="accuracy-cost fits",
+        code=COST_CODE,
         render=sorted(
             {COST.study.render_code(variant) for variant in COST.study.variants}
         ),
-        fits=COST.fit_arguments,
-    shell:
-        "python -m npfm accuracy-cost fits {input.table} --scenes {input.scenes}"
-        " --fits {params.fits} -o {output} 2> {log}"
+        files=lambda wildcards, input, output: [
+            *input.table,
+            *option("--scenes", input.scenes),
+            *("-o", *output),
+        ],
+        options=option("--fits", COST.fit_arguments),
 
 
-rule accuracy_cost_scene:
+use rule scene as accuracy_cost_scene with:
     input:
-        light=f"{OUT}/lights/{config['scenes'][COST.scene]['light']}.exr",
-        mesh=RUN.mesh(COST.scene),
+        light=RUN.light(COST.scene),
+        mesh=lambda wildcards: RUN.mesh(COST.scene),
     output:
         scene=directory(f"{COST.folder}/scenes/{{build}}"),
         record=f"{COST.folder}/scenes/{{build}}.json",
     log:
         f"{OUT}/logs/accuracy_cost/scenes/{{build}}.log",
     wildcard_constraints:
-        build="[^/.]+",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=3000,
-        runtime=20,
+        build=any_of(COST.build_names),
     params:
         code=lambda wildcards: COST.scene_code(wildcards.build),
         options=lambda wildcards: COST.scene_options(wildcards.build),
-    shell:
-        "python -m npfm scene --light {input.light} {params.options}"
-        " --record {output.record} -o {output.scene} 2> {log}"
 
 
-rule accuracy_cost_sampling:
+use rule npfm as accuracy_cost_sampling with:
     input:
         reference=COST.reference,
         builds=COST.builds,
@@ -111,21 +99,23 @@ rule accuracy_cost_sampling:
         f"{COST.folder}/sampling.csv",
     log:
         f"{OUT}/logs/accuracy_cost/sampling.log",
-    conda:
-        "../envs/npfm.yaml"
     resources:
         mem_mb=2000,
         runtime=15,
     params:
-        code=COST_TABLES,
+        verb="accuracy-cost sampling",
+        code=COST_CODE,
         render=COST.study.render_code("model-independent-g-gauss-newton"),
-    shell:
-        "python -m npfm accuracy-cost sampling --reference {input.reference}"
-        " --builds {input.builds} --tables {input.tables} --fits {input.fits}"
-        " -o {output} 2> {log}"
+        files=lambda wildcards, input, output: [
+            *("--reference", input.reference),
+            *option("--builds", input.builds),
+            *option("--tables", input.tables),
+            *option("--fits", input.fits),
+            *("-o", *output),
+        ],
 
 
-rule accuracy_cost_table:
+use rule npfm as accuracy_cost_table with:
     input:
         fits=expand(rules.accuracy_cost_fits.output, material=COST.materials),
         sampling=rules.accuracy_cost_sampling.output,
@@ -138,15 +128,14 @@ rule accuracy_cost_table:
         ),
     log:
         f"{OUT}/logs/accuracy_cost/table.log",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
     params:
-        code=COST_TABLES,
-    shell:
-        "python -m npfm accuracy-cost table --fits {input.fits} --sampling {input.sampling}"
-        " -o {output} 2> {log}"
+        verb="accuracy-cost table",
+        code=COST_CODE,
+        files=lambda wildcards, input, output: [
+            *option("--fits", input.fits),
+            *("--sampling", *input.sampling),
+            *("-o", *output),
+        ],
 
 
 # By figure: the option that names its tables, and these.
@@ -158,7 +147,7 @@ COST_FIGURES = {
 }
 
 
-rule accuracy_cost_figure:
+use rule npfm as accuracy_cost_figure with:
     input:
         lambda wildcards: COST_FIGURES[wildcards.figure][1],
     output:
@@ -172,22 +161,19 @@ rule accuracy_cost_figure:
     log:
         f"{OUT}/logs/accuracy_cost/figures/{{figure}}.log",
     wildcard_constraints:
-        figure="|".join(COST_FIGURES),
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
+        figure=any_of(COST_FIGURES),
     params:
+        verb="figure",
         code=lambda wildcards: digest(
             (f"npfm.figures.{wildcards.figure}",), ("npfm.commands.figure",)
         ),
-        option=lambda wildcards: COST_FIGURES[wildcards.figure][0],
-        colors=lambda wildcards: (
-            RUN.colors_option if wildcards.figure == "pareto" else ""
+        files=lambda wildcards, input, output: [
+            *(wildcards.figure, COST_FIGURES[wildcards.figure][0], *words(input)),
+            *("-o", *output),
+        ],
+        options=lambda wildcards: (
+            RUN.colors_option if wildcards.figure == "pareto" else []
         ),
-    shell:
-        "python -m npfm figure {wildcards.figure} {params.option} {input}"
-        " {params.colors} -o {output} 2> {log}"
 
 
 rule accuracy_cost:

@@ -18,15 +18,14 @@ use rule scene as effects_scene with:
     log:
         f"{OUT}/logs/effects/scenes/{{scene}}/{{effect}}.log",
     wildcard_constraints:
-        effect="[^/.]+",
+        effect=any_of(EFFECTS.all_effects),
     params:
-        code=lambda wildcards: RUN.scene_code(wildcards.scene),
         options=lambda wildcards: EFFECTS.scene_options(
             wildcards.scene, wildcards.effect
         ),
 
 
-rule effects_compare:
+use rule npfm as effects_compare with:
     input:
         scene=rules.scene.output.scene,
         record=rules.scene.output.record,
@@ -43,22 +42,25 @@ rule effects_compare:
         pictures=f"{EFFECTS.folder}/{{scene}}.exr",
     log:
         f"{OUT}/logs/effects/{{scene}}.log",
-    conda:
-        "../envs/npfm.yaml"
     resources:
         mem_mb=2500,
         runtime=15,
     params:
+        verb="effects-cost compare",
         code=EFFECTS_CODE,
         render=COST.study.render_code("model-independent-g-gauss-newton"),
-        switched=lambda wildcards: EFFECTS.switched(wildcards.scene),
-    shell:
-        "python -m npfm effects-cost compare {input.scene} {params.switched}"
-        " --tables {input.tables} --fits {input.fits}"
-        " -o {output.table} --pictures {output.pictures} 2> {log}"
+        files=lambda wildcards, input, output: [
+            input.scene,
+            *option("--tables", input.tables),
+            *option("--fits", input.fits),
+            *("-o", output.table, "--pictures", output.pictures),
+        ],
+        options=lambda wildcards: option(
+            "--switched", EFFECTS.switched(wildcards.scene)
+        ),
 
 
-rule effects_table:
+use rule npfm as effects_table with:
     input:
         expand(rules.effects_compare.output.table, scene=RUN.scenes),
     output:
@@ -70,17 +72,13 @@ rule effects_table:
         ),
     log:
         f"{OUT}/logs/effects/table.log",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
     params:
+        verb="effects-cost table",
         code=EFFECTS_CODE,
-    shell:
-        "python -m npfm effects-cost table {input} -o {output} 2> {log}"
+        files=lambda wildcards, input, output: [*input, "-o", *output],
 
 
-rule effects_figure:
+use rule npfm as effects_figure with:
     input:
         table=rules.effects_table.output,
         changed=expand(rules.effects_compare.output.pictures, scene=RUN.scenes),
@@ -99,15 +97,15 @@ rule effects_figure:
         ),
     log:
         f"{OUT}/logs/effects/figure.log",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
     params:
+        verb="figure effects_cost",
         code=digest(("npfm.figures.effects_cost",), ("npfm.commands.figure",)),
-    shell:
-        "python -m npfm figure effects_cost --table {input.table} --changed {input.changed}"
-        " --shown {input.shown} -o {output} 2> {log}"
+        files=lambda wildcards, input, output: [
+            *("--table", *input.table),
+            *("--changed", *input.changed),
+            *("--shown", *input.shown),
+            *("-o", *output),
+        ],
 
 
 rule effects:

@@ -3,7 +3,7 @@ localrules:
     table1,
 
 
-rule figure08:
+use rule npfm as figure08 with:
     input:
         psnr=rules.psnr_table.output,
         materials=lambda wildcards: (
@@ -21,22 +21,18 @@ rule figure08:
         f"{OUT}/logs/figures/figure08_by_{{order}}.log",
     wildcard_constraints:
         order="diffuseness|error",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
     params:
+        verb="figure figure08",
         code=digest(("npfm.figures.figure08",), ("npfm.commands.figure",)),
-        materials=lambda wildcards, input: (
-            f"--materials {input.materials}" if input.materials else ""
-        ),
-        colors=RUN.colors_option,
-    shell:
-        "python -m npfm figure figure08 --psnr {input.psnr} {params.materials}"
-        " --order {wildcards.order} {params.colors} -o {output.pdf} {output.png} 2> {log}"
+        files=lambda wildcards, input, output: [
+            *("--psnr", *input.psnr),
+            *option("--materials", input.materials),
+            *("-o", *output),
+        ],
+        options=lambda wildcards: ["--order", wildcards.order, *RUN.colors_option],
 
 
-rule table1:
+use rule npfm as table1 with:
     input:
         rules.fits_table.output,
     output:
@@ -48,25 +44,20 @@ rule table1:
         ),
     log:
         f"{OUT}/logs/figures/table1.log",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
     params:
+        verb="tables table1",
         code=TABLES_CODE,
-    shell:
-        "python -m npfm tables table1 --fits {input} -o {output} 2> {log}"
+        files=lambda wildcards, input, output: ["--fits", *input, "-o", *output],
 
 
 rule figures:
     input:
         expand(rules.figure08.output, order=RUN.orders),
         rules.table1.output,
-        rules.figures_of_factors.input,
-        rules.figures_of_pictures.input,
+        rules.paper_figures.input,
 
 
-rule page:
+use rule npfm as page with:
     input:
         pictures=lambda wildcards: expand(
             f"{OUT}/renders/{{scene}}/{wildcards.material}/{{variant}}.png",
@@ -83,18 +74,18 @@ rule page:
         ),
     log:
         f"{OUT}/logs/figures/pages/{{material}}.log",
-    conda:
-        "../envs/npfm.yaml"
     resources:
         mem_mb=500,
         runtime=5,
     params:
+        verb="figure page",
         code=digest(("npfm.figures.page",), ("npfm.commands.figure",)),
-        names=f"--run {OUT} --scenes {' '.join(RUN.scenes)}",
-        variants=lambda wildcards: " ".join(RUN.variants_of(wildcards.material)),
-    shell:
-        "python -m npfm figure page {params.names} --variants {params.variants}"
-        " --material {wildcards.material} --psnr {input.psnr} -o {output} 2> {log}"
+        files=lambda wildcards, input, output: ["--psnr", *input.psnr, "-o", *output],
+        options=lambda wildcards: [
+            *("--run", OUT, "--material", wildcards.material),
+            *("--scenes", *RUN.scenes),
+            *("--variants", *RUN.variants_of(wildcards.material)),
+        ],
 
 
 rule pages:

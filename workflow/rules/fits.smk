@@ -1,4 +1,4 @@
-rule fit:
+use rule npfm as fit with:
     input:
         table=rules.material.output,
         published=lambda wildcards: RUN.published_inputs(wildcards.variant),
@@ -7,13 +7,11 @@ rule fit:
         record=f"{OUT}/fits/{{variant}}/{{material}}.json",
     log:
         f"{OUT}/logs/fit/{{variant}}/{{material}}.log",
-    conda:
-        "../envs/npfm.yaml"
     resources:
         mem_mb=1000,
         runtime=60,
     params:
+        verb="fit",
         code=lambda wildcards: RUN.fit_code(wildcards.variant),
+        files=lambda wildcards, input, output: [*input.table, "-o", output.fit],
         options=lambda wildcards: RUN.variants[wildcards.variant].options,
-    shell:
-        "python -m npfm fit {input.table} {params.options} -o {output.fit} 2> {log}"

@@ -1,4 +1,4 @@
-rule render_measured:
+use rule npfm as render_measured with:
     input:
         scene=rules.scene.output.scene,
         table=rules.material.output,
@@ -7,19 +7,20 @@ rule render_measured:
         png=f"{OUT}/renders/{{scene}}/{{material}}/measured.png",
     log:
         f"{OUT}/logs/render/{{scene}}/{{material}}/measured.log",
-    conda:
-        "../envs/npfm.yaml"
     resources:
         mem_mb=2000,
         runtime=5,
     params:
+        verb="render",
         code=RUN.render_code("measured"),
-        tone=lambda wildcards: RUN.tone(wildcards.scene),
-    shell:
-        "python -m npfm render {input.scene} {input.table} {params.tone} -o {output.exr} 2> {log}"
+        files=lambda wildcards, input, output: [
+            *(input.scene, *input.table),
+            *("-o", output.exr),
+        ],
+        options=lambda wildcards: RUN.tone_options(wildcards.scene),
 
 
-rule render_fit:
+use rule render_measured as render_fit with:
     input:
         scene=rules.scene.output.scene,
         fit=rules.fit.output.fit,
@@ -29,17 +30,13 @@ rule render_fit:
         png=f"{OUT}/renders/{{scene}}/{{material}}/{{variant}}.png",
     log:
         f"{OUT}/logs/render/{{scene}}/{{material}}/{{variant}}.log",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=2000,
-        runtime=5,
     params:
         code=lambda wildcards: RUN.render_code(wildcards.variant),
-        tone=lambda wildcards: RUN.tone(wildcards.scene),
-    shell:
-        "python -m npfm render {input.scene} {input.fit} --measured {input.table} {params.tone}"
-        " -o {output.exr} 2> {log}"
+        files=lambda wildcards, input, output: [
+            *(input.scene, input.fit),
+            *("--measured", *input.table),
+            *("-o", output.exr),
+        ],
 
 
 ruleorder: render_measured > render_fit

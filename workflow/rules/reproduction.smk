@@ -4,7 +4,7 @@ if "naive" in RUN.variants:
     CLAIMED["materials"] = rules.materials_table.output
 if WEIGHTING.columns:
     CLAIMED["weighting"] = rules.weighting_table.output
-if "published_factors" in config and "independent-g" in RUN.variants:
+if RUN.published_factors and "independent-g" in RUN.variants:
     CLAIMED["published"] = f"{OUT}/tables/published.csv"
 
 
@@ -12,9 +12,9 @@ localrules:
     reproduction,
 
 
-rule published_table:
+use rule npfm as published_table with:
     input:
-        factors=RUN.user_file(config.get("published_factors", "")),
+        factors=lambda wildcards: map(as_input, RUN.published_factors),
         tables=expand(rules.material.output, material=RUN.materials),
         fits=expand(
             rules.fit.output.fit, material=RUN.materials, variant="independent-g"
@@ -23,23 +23,23 @@ rule published_table:
         f"{OUT}/tables/published.csv",
     log:
         f"{OUT}/logs/tables/published.log",
-    conda:
-        "../envs/npfm.yaml"
     resources:
         mem_mb=1000,
         runtime=15,
     params:
+        verb="tables published",
         code=digest(
             ("npfm.papers.authors_distance", "npfm.papers.authors_factors"),
             ("npfm.commands.tables",),
         ),
-        names=MATERIALS,
-    shell:
-        "python -m npfm tables published {params.names} --factors {input.factors:q}"
-        " -o {output} 2> {log}"
+        files=lambda wildcards, output: ["-o", *output],
+        options=lambda wildcards: [
+            *MATERIALS,
+            *option("--factors", map(path_word, RUN.published_factors)),
+        ],
 
 
-rule reproduction:
+use rule npfm as reproduction with:
     input:
         **CLAIMED,
         records=expand(
@@ -49,27 +49,21 @@ rule reproduction:
         ),
         figures=[
             *expand(f"{OUT}/figures/figure08_by_{{order}}.png", order=RUN.orders),
-            *expand(
-                f"{OUT}/figures/{{figure}}.png", figure=[*FACTOR_FIGURES, *COMPARED]
-            ),
+            *expand(f"{OUT}/figures/{{figure}}.png", figure=DRAWN),
         ],
     output:
         f"{OUT}/reproduction.md",
     log:
         f"{OUT}/logs/reproduction.log",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
     params:
+        verb="reproduction",
         code=digest(
             ("npfm.papers.page", "npfm.figures.figure10"),
             ("npfm.commands.reproduction",),
         ),
-        names=f"--run {OUT} --dataset {config['dataset']['kind']}",
-        tables=lambda wildcards, input: " ".join(
-            f"--{option} {input[option]}" for option in CLAIMED
-        ),
-    shell:
-        "python -m npfm reproduction {params.names} {params.tables}"
-        " --figures {input.figures} -o {output} 2> {log}"
+        files=lambda wildcards, input, output: [
+            *(word for key in CLAIMED for word in [f"--{key}", str(input[key])]),
+            *option("--figures", input.figures),
+            *("-o", *output),
+        ],
+        options=["--run", OUT, "--dataset", RUN.config["dataset"]["kind"]],

@@ -1,28 +1,23 @@
-import re
-
-
-rule light:
+use rule npfm as light with:
     input:
         lambda wildcards: RUN.light_inputs(wildcards.light),
     output:
         f"{OUT}/lights/{{light}}.exr",
     log:
         f"{OUT}/logs/light/{{light}}.log",
-    conda:
-        "../envs/npfm.yaml"
     resources:
         mem_mb=1000,
         runtime=10,
     params:
+        verb="light",
         code=lambda wildcards: RUN.light_code(wildcards.light),
+        files=lambda wildcards, output: ["-o", *output],
         options=lambda wildcards: RUN.light_options(wildcards.light),
-    shell:
-        "python -m npfm light {params.options} -o {output} 2> {log}"
 
 
-rule scene:
+use rule npfm as scene with:
     input:
-        light=lambda wildcards: f"{OUT}/lights/{config['scenes'][wildcards.scene]['light']}.exr",
+        light=lambda wildcards: RUN.light(wildcards.scene),
         mesh=lambda wildcards: RUN.mesh(wildcards.scene),
     output:
         scene=directory(f"{OUT}/scenes/{{scene}}"),
@@ -30,15 +25,15 @@ rule scene:
     log:
         f"{OUT}/logs/scene/{{scene}}.log",
     wildcard_constraints:
-        scene="|".join(map(re.escape, RUN.scenes)),
-    conda:
-        "../envs/npfm.yaml"
+        scene=any_of(RUN.scenes),
     resources:
         mem_mb=3000,
         runtime=20,
     params:
+        verb="scene",
         code=lambda wildcards: RUN.scene_code(wildcards.scene),
+        files=lambda wildcards, input, output: [
+            *("--light", input.light),
+            *("--record", output.record, "-o", output.scene),
+        ],
         options=lambda wildcards: RUN.scene_options(wildcards.scene),
-    shell:
-        "python -m npfm scene --light {input.light} {params.options}"
-        " --record {output.record} -o {output.scene} 2> {log}"

@@ -5,19 +5,18 @@ localrules:
     stability,
 
 
-rule stability_fits:
+use rule npfm as stability_fits with:
     output:
         f"{OUT}/stability/{{model}}.csv",
     log:
         f"{OUT}/logs/stability/{{model}}.log",
     wildcard_constraints:
-        model="|".join(registry.non_parametric()),
-    conda:
-        "../envs/npfm.yaml"
+        model=any_of(registry.non_parametric()),
     resources:
         mem_mb=1000,
         runtime=120,
     params:
+        verb="stability fit",
         code=lambda wildcards: digest(
             (
                 f"npfm.models.{wildcards.model.replace('-', '_')}",
@@ -27,25 +26,22 @@ rule stability_fits:
             ),
             ("npfm.commands.stability",),
         ),
-        starts=config["stability"]["starts"],
-        awls_iterations=config["stability"]["awls_iterations"],
-    shell:
-        "python -m npfm stability fit {wildcards.model} --starts {params.starts}"
-        " --awls-iterations {params.awls_iterations} -o {output} 2> {log}"
+        files=lambda wildcards, output: ["-o", *output],
+        options=lambda wildcards: [
+            wildcards.model,
+            *("--starts", f"{RUN.config['stability']['starts']}"),
+            *("--awls-iterations", f"{RUN.config['stability']['awls_iterations']}"),
+        ],
 
 
-rule stability:
+use rule npfm as stability with:
     input:
         expand(rules.stability_fits.output, model=registry.non_parametric()),
     output:
         f"{OUT}/tables/stability.csv",
     log:
         f"{OUT}/logs/tables/stability.log",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
     params:
+        verb="stability gather",
         code=digest(("npfm.evaluation.stability",), ("npfm.commands.stability",)),
-    shell:
-        "python -m npfm stability gather {input} -o {output} 2> {log}"
+        files=lambda wildcards, input, output: [*input, "-o", *output],

@@ -5,8 +5,8 @@ RENDERS = [
     for variant in ["measured", *RUN.variants_of(material)]
 ]
 TABLES_CODE = digest(("npfm.evaluation.tables",), ("npfm.commands.tables",))
-MATERIALS = f"--run {OUT} --materials {' '.join(RUN.materials)}"
-VARIANTS = f"--variants {' '.join(RUN.variants)} {RUN.missing_option}"
+MATERIALS = ["--run", OUT, *option("--materials", RUN.materials)]
+VARIANTS = [*option("--variants", RUN.variants), *RUN.missing_option]
 
 
 localrules:
@@ -16,7 +16,7 @@ localrules:
     summary_table,
 
 
-rule psnr_table:
+use rule npfm as psnr_table with:
     input:
         RENDERS,
     output:
@@ -28,18 +28,14 @@ rule psnr_table:
         ),
     log:
         f"{OUT}/logs/tables/psnr.log",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
     params:
+        verb="tables psnr",
         code=TABLES_CODE,
-        names=f"{MATERIALS} {VARIANTS} --scenes {' '.join(RUN.scenes)}",
-    shell:
-        "python -m npfm tables psnr {params.names} -o {output} 2> {log}"
+        files=lambda wildcards, output: ["-o", *output],
+        options=[*MATERIALS, *VARIANTS, *option("--scenes", RUN.scenes)],
 
 
-rule fits_table:
+use rule psnr_table as fits_table with:
     input:
         [f"{OUT}/fits/{variant}/{material}.json" for material, variant in RUN.fits],
     output:
@@ -51,18 +47,12 @@ rule fits_table:
         ),
     log:
         f"{OUT}/logs/tables/fits.log",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
     params:
-        code=TABLES_CODE,
-        names=f"{MATERIALS} {VARIANTS}",
-    shell:
-        "python -m npfm tables fits {params.names} -o {output} 2> {log}"
+        verb="tables fits",
+        options=[*MATERIALS, *VARIANTS],
 
 
-rule materials_table:
+use rule psnr_table as materials_table with:
     input:
         expand(rules.fit.output.fit, material=RUN.materials, variant="naive"),
     output:
@@ -74,18 +64,12 @@ rule materials_table:
         ),
     log:
         f"{OUT}/logs/tables/materials.log",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
     params:
-        code=TABLES_CODE,
-        names=MATERIALS,
-    shell:
-        "python -m npfm tables materials {params.names} -o {output} 2> {log}"
+        verb="tables materials",
+        options=MATERIALS,
 
 
-rule summary_table:
+use rule psnr_table as summary_table with:
     input:
         psnr=rules.psnr_table.output,
         records=rules.fits_table.input,
@@ -98,15 +82,10 @@ rule summary_table:
         ),
     log:
         f"{OUT}/logs/tables/summary.log",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
     params:
-        code=TABLES_CODE,
-        run=f"--run {OUT}",
-    shell:
-        "python -m npfm tables summary {params.run} --psnr {input.psnr} -o {output} 2> {log}"
+        verb="tables summary",
+        files=lambda wildcards, input, output: ["--psnr", *input.psnr, "-o", *output],
+        options=["--run", OUT],
 
 
 rule tables:

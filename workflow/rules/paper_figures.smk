@@ -2,7 +2,7 @@ from npfm.run import weighting
 from npfm.run.paper_figures import drawn
 
 WEIGHTING = weighting.plan(RUN)
-FACTOR_FIGURES = drawn(RUN, WEIGHTING)
+DRAWN = drawn(RUN, WEIGHTING)
 
 
 localrules:
@@ -29,16 +29,15 @@ use rule render_fit as weighting_render with:
         fit=rules.weighting_fit.output.fit,
         table=rules.material.output,
     wildcard_constraints:
-        variant="|".join(WEIGHTING.added) or "none",
+        variant=any_of(WEIGHTING.added),
     params:
         code=lambda wildcards: WEIGHTING.study.render_code(wildcards.variant),
-        tone=lambda wildcards: RUN.tone(wildcards.scene),
 
 
 ruleorder: weighting_render > render_fit
 
 
-rule weighting_table:
+use rule psnr_table as weighting_table with:
     input:
         expand(
             f"{OUT}/renders/{{scene}}/{{material}}/{{variant}}.exr",
@@ -55,73 +54,63 @@ rule weighting_table:
         ),
     log:
         f"{OUT}/logs/tables/weighting.log",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
     params:
-        code=TABLES_CODE,
-        names=f"--run {OUT} --materials {' '.join(WEIGHTING.all_materials)}"
-        f" --variants {' '.join(WEIGHTING.all_pictures)} --scenes {' '.join(RUN.scenes)}",
-    shell:
-        "python -m npfm tables psnr {params.names} -o {output} 2> {log}"
+        options=[
+            *("--run", OUT),
+            *option("--materials", WEIGHTING.all_materials),
+            *option("--variants", WEIGHTING.all_pictures),
+            *option("--scenes", RUN.scenes),
+        ],
 
 
 # One rule a figure, for a caption of its own in the report.
-for FIGURE, DRAWN in FACTOR_FIGURES.items():
+for FIGURE, HOW in DRAWN.items():
 
     rule:
         name:
             FIGURE
         input:
-            DRAWN.files,
+            HOW.files,
         output:
             pdf=f"{OUT}/figures/{FIGURE}.pdf",
             png=report(
                 f"{OUT}/figures/{FIGURE}.png",
                 caption=f"../report/{FIGURE}.rst",
                 category="Figures of the paper",
-                labels={"figure": DRAWN.label},
+                labels={"figure": HOW.label},
             ),
         log:
             f"{OUT}/logs/figures/{FIGURE}.log",
         conda:
-            "../envs/npfm.yaml"
+            lambda wildcards: ENVIRONMENT
         resources:
             mem_mb=1000,
             runtime=5,
         params:
+            figure=FIGURE,
             code=digest((f"npfm.figures.{FIGURE}",), ("npfm.commands.figure",)),
-            arguments=f"{FIGURE} {DRAWN.arguments}",
+            arguments=lambda wildcards, how=HOW: how.arguments,
         shell:
-            "python -m npfm figure {params.arguments} -o {output} 2> {log}"
+            "python -m npfm figure {params.figure} {params.arguments:q} -o {output:q} 2> {log:q}"
 
 
-rule texture:
+use rule npfm as texture with:
     input:
-        FACTOR_FIGURES["figure16"].files if "figure16" in FACTOR_FIGURES else [],
+        DRAWN["figure16"].files if "figure16" in DRAWN else [],
     output:
         f"{OUT}/figures/figure16.exr",
     log:
         f"{OUT}/logs/figures/texture.log",
-    conda:
-        "../envs/npfm.yaml"
-    resources:
-        mem_mb=500,
     params:
+        verb="texture",
         code=digest(
             ("npfm.exports.texture", "npfm.storage.pictures"),
             ("npfm.commands.texture",),
         ),
-    shell:
-        "python -m npfm texture {input} -o {output} 2> {log}"
+        files=lambda wildcards, input, output: [*words(input), "-o", *output],
 
 
-rule figures_of_factors:
+rule paper_figures:
     input:
-        expand(
-            f"{OUT}/figures/{{figure}}.{{end}}",
-            figure=FACTOR_FIGURES,
-            end=["pdf", "png"],
-        ),
-        rules.texture.output if "figure16" in FACTOR_FIGURES else [],
+        expand(f"{OUT}/figures/{{figure}}.{{end}}", figure=DRAWN, end=["pdf", "png"]),
+        rules.texture.output if "figure16" in DRAWN else [],

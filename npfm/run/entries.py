@@ -1,0 +1,125 @@
+"""The variants of a configuration: which model is fitted with which settings."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from npfm.datasets import parameter_files
+from npfm.datasets.parameter_files import FitFile
+from npfm.errors import NpfmError, suggest
+from npfm.fitting import registry
+from npfm.fitting.registry import Model
+from npfm.fitting.solvers.choice import SOLVERS
+from npfm.run.names import check_names
+from npfm.run.words import path_word
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A model with the settings it is fitted with; `options` are those of ``npfm fit``.
+
+    `published` is the file of a model whose parameters are read instead.
+    """
+
+    name: str
+    model: str
+    solver: str
+    options: tuple[str, ...]
+    published: str | None = None
+
+
+def read_variants(config: Mapping[str, Any]) -> dict[str, Variant]:
+    """Return the variants of a configuration by name, in order.
+
+    Raises
+    ------
+    NpfmError
+        If a name is taken or outside the pattern, or a model, a solver or a setting is unknown.
+    """
+    named: dict[str, Variant] = {}
+    for entry in config["variants"]:
+        entry = {"name": entry, "model": entry} if isinstance(entry, str) else entry
+        try:
+            model = registry.declared(entry["model"])
+        except NpfmError as error:
+            raise NpfmError(f"config: variants: {error}") from error
+        check_names([entry["name"]], "variant")
+        if entry["name"] in named or entry["name"] == "measured":
+            raise NpfmError(
+                f"config: variants: the name '{entry['name']}' is taken; give this one another"
+            )
+        named[entry["name"]] = _variant(entry, model, config)
+    return named
+
+
+def missing_fits(
+    named: Mapping[str, Variant], materials: Sequence[str]
+) -> frozenset[tuple[str, str]]:
+    """Pairs of variant and material that a published file lacks.
+
+    Raises
+    ------
+    NpfmError
+        If a file is absent, cannot be read, or has none of the materials.
+    """
+    missing = set()
+    for variant in named.values():
+        if variant.published:
+            file = FitFile(**registry.declared(variant.model).published)
+            there = parameter_files.read(variant.published, file)
+            absent = {(variant.name, name) for name in materials if name not in there}
+            if len(absent) == len(materials):
+                raise NpfmError(
+                    f"config: variants/{variant.name}: {variant.published} has none of the run's "
+                    "materials; leave this variant out"
+                )
+            missing |= absent
+    return frozenset(missing)
+
+
+def _variant(entry: Mapping[str, Any], model: Model, config: Mapping[str, Any]) -> Variant:
+    objective = config["objective"] | entry.get("objective", {})
+    solver = config["solver"] | entry.get("solver", {})
+    if solver["method"] not in SOLVERS:
+        hint = suggest(solver["method"], SOLVERS)
+        raise NpfmError(f"config: solver: unknown solver '{solver['method']}'; {hint}")
+    published = _published_file(model, config)
+    options = [
+        *("--model", entry["model"], "--solver", solver["method"]),
+        *("--tolerance", f"{solver['tolerance']}"),
+        *("--max-iterations", f"{solver['max_iterations']}"),
+        *_own_settings(entry, solver, model),
+        *(["--published", path_word(published)] if published else []),
+        *("--max-angle", f"{objective['max_angle']}"),
+        *([] if objective["compressive"] else ["--no-compressive"]),
+        *(["--seed", f"{config['seed']}"] if model.random else []),
+    ]
+    return Variant(entry["name"], entry["model"], solver["method"], tuple(options), published)
+
+
+def _own_settings(entry: Mapping[str, Any], solver: Mapping[str, Any], model: Model) -> list[str]:
+    """Arguments of ``npfm fit`` for what the model alone can be told."""
+    known = ["name", "model", "objective", "solver", *model.settings]
+    if unknown := [key for key in entry if key not in known]:
+        hint = suggest(unknown[0], known)
+        raise NpfmError(f"config: variants/{entry['name']}: unknown key '{unknown[0]}'; {hint}")
+    given = {key: {**solver, **entry}.get(key) for key in model.settings}
+    for key, value in given.items():
+        words, where = model.settings[key], f"config: variants/{entry['name']}/{key}"
+        if isinstance(words, str) and not isinstance(value, int | None):
+            raise NpfmError(f"{where}: give a whole number")
+        if not isinstance(words, str) and value is not None and value not in words:
+            raise NpfmError(f"{where}: unknown {key} '{value}'; {suggest(str(value), words)}")
+    return [
+        word
+        for key, value in given.items()
+        if value is not None
+        for word in (f"--{key}", f"{value}")
+    ]
+
+
+def _published_file(model: Model, config: Mapping[str, Any]) -> str | None:
+    if not model.published:
+        return None
+    return str(Path(config["data"]) / config["published_fits"] / model.published["name"])

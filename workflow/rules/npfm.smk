@@ -1,0 +1,21 @@
+# Snakemake formats this path, which may have braces of its own.
+ENVIRONMENT = f"{workflow.basedir}/workflow/envs/npfm.yaml".translate(
+    {ord("{"): "{{", ord("}"): "}}"}
+)
+
+
+# One command for all rules: its words are quoted here and nowhere else. The rules that use it name
+# the verb and give the words: `files` are those that the rule reads and writes, `options` the rest.
+rule npfm:
+    log:
+        f"{OUT}/logs/npfm.log",
+    conda:
+        lambda wildcards: ENVIRONMENT
+    resources:
+        mem_mb=500,
+    params:
+        verb="--help",
+        files=[],
+        options=[],
+    shell:
+        "python -m npfm {params.verb} {params.files:q} {params.options:q} 2> {log:q}"
