@@ -14,7 +14,9 @@ from typing import NoReturn, TextIO
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_variable] = "1"
 
+from npfm.commands import outputs  # noqa: E402
 from npfm.errors import NpfmError, NpfmWarning  # noqa: E402
+from npfm.storage.signals import stopping_cleanly  # noqa: E402
 
 VERBS = {
     "material": "write one material of a dataset as a MERL .binary file",
@@ -117,7 +119,8 @@ def main(arguments: list[str] | None = None) -> int:
             _command(verb).add_arguments(chosen)
     try:
         parsed = parser.parse_args(arguments)
-        with _warnings_in_one_line(parsed.verb):
+        outputs.check(parsed)
+        with stopping_cleanly(), _warnings_in_one_line(parsed.verb):
             _command(parsed.verb).run(parsed)
     except (NpfmError, OSError) as error:
         named = [verb for verb in arguments[:1] if verb in VERBS]

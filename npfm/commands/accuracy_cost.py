@@ -6,12 +6,15 @@ from pathlib import Path
 
 import pandas as pd
 
+from npfm.commands.outputs import output
 from npfm.commands.sources import table
 from npfm.errors import NpfmError
 from npfm.evaluation import accuracy_cost as costs
 from npfm.evaluation import tables
 from npfm.reflectance.merl import read_binary
+from npfm.reflectance.table import Table
 from npfm.rendering import transport
+from npfm.storage.names import distinct
 
 EXAMPLE = """\
 examples:
@@ -57,7 +60,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         for name, options in sources.items():
             required = {"required": True} if name.startswith("--") else {}
             chosen.add_argument(name, **required, **options)
-        chosen.add_argument("-o", "--output", required=True, help="CSV to write")
+        chosen.add_argument(
+            "-o", "--output", type=output(tables.TABLE), required=True, help="CSV to write"
+        )
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -68,9 +73,7 @@ def run(arguments: argparse.Namespace) -> None:
         case "fits":
             made = _fits(arguments)
         case "sampling":
-            pairs = zip(arguments.tables, arguments.fits, strict=True)
-            materials = {Path(t).stem: (table(t), table(f)) for t, f in pairs}
-            made = costs.sampling(arguments.reference, arguments.builds, materials)
+            made = costs.sampling(arguments.reference, arguments.builds, _materials(arguments))
         case "table":
             fits = costs.read(arguments.fits, costs.FITS)
             made = costs.cost(fits, costs.read([arguments.sampling], costs.SAMPLING))
@@ -80,7 +83,17 @@ def run(arguments: argparse.Namespace) -> None:
 def _pairs(arguments: Sequence[str]) -> dict[str, str]:
     if wrong := [argument for argument in arguments if "=" not in argument]:
         raise NpfmError(f"'{wrong[0]}' has no '='; name what is in the folder, as in name=folder")
+    distinct(argument.partition("=")[0] for argument in arguments)
     return dict(argument.split("=", 1) for argument in arguments)
+
+
+def _materials(arguments: argparse.Namespace) -> dict[str, tuple[Table, Table]]:
+    """Measured and fitted table of every material."""
+    if len(arguments.tables) != len(arguments.fits):
+        raise NpfmError("--tables and --fits differ in number; name a fit of each table")
+    names = distinct(Path(path).stem for path in arguments.tables)
+    pairs = zip(map(table, arguments.tables), map(table, arguments.fits), strict=True)
+    return dict(zip(names, pairs, strict=True))
 
 
 def _fits(arguments: argparse.Namespace) -> pd.DataFrame:
@@ -89,6 +102,7 @@ def _fits(arguments: argparse.Namespace) -> pd.DataFrame:
         tuple(name.split(":", 1)): f"{folder}/{material}.npz"
         for name, folder in _pairs(arguments.fits).items()
     }
-    scenes = {Path(path).name: transport.load(path) for path in arguments.scenes}
+    names = distinct(Path(path).name for path in arguments.scenes)
+    scenes = dict(zip(names, map(transport.load, arguments.scenes), strict=True))
     made = costs.fits(read_binary(arguments.table), settings, scenes, table)
     return made.assign(material=material)[list(costs.FITS)]

@@ -3,8 +3,10 @@
 import argparse
 from pathlib import Path
 
+from npfm.commands.outputs import output
 from npfm.evaluation.comparison import decibels
-from npfm.storage.pictures import read_exr, write_exr_parts
+from npfm.storage.names import distinct
+from npfm.storage.pictures import EXR, read_exr, write_exr_parts
 
 EXAMPLE = """\
 example:
@@ -20,7 +22,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EXAMPLE
     parser.add_argument("reference", help="EXR of linear radiance to compare with")
     parser.add_argument("pictures", nargs="+", metavar="picture", help="EXR of the same size")
-    parser.add_argument("-o", "--output", help="EXR to write, reference and pictures as its parts")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=output(EXR),
+        help="EXR to write, reference and pictures as its parts",
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -29,6 +36,8 @@ def run(arguments: argparse.Namespace) -> None:
     names = [Path(path).stem for path in paths]
     if len(set(names)) < len(names):
         names = paths
+    if arguments.output:
+        distinct(names)
     values = decibels(arguments.reference, arguments.pictures)
     if arguments.output:
         parts = {name: read_exr(path) for name, path in zip(names, paths, strict=True)}

@@ -5,11 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
+from npfm.commands.outputs import output
 from npfm.commands.sources import table
 from npfm.errors import NpfmError
 from npfm.evaluation import effects_cost as costs
 from npfm.evaluation import tables
-from npfm.storage.pictures import write_exr_parts
+from npfm.storage.names import distinct
+from npfm.storage.pictures import EXR, write_exr_parts
 
 EXAMPLE = """\
 examples:
@@ -38,12 +40,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     compare.add_argument("--tables", nargs="+", required=True, help="MERL .binary files")
     compare.add_argument("--fits", nargs="+", required=True, help="a fit (.npz) of each table")
     compare.add_argument(
-        "--pictures", required=True, help="EXR to write: the last table in each scene, as parts"
+        "--pictures",
+        type=output(EXR),
+        required=True,
+        help="EXR to write: the last table in each scene, as parts",
     )
     gather = kinds.add_parser("table")
     gather.add_argument("scenes", nargs="+", help="CSVs made by npfm effects-cost compare")
     for kind in (compare, gather):
-        kind.add_argument("-o", "--output", required=True, help="CSV to write")
+        kind.add_argument(
+            "-o", "--output", type=output(tables.TABLE), required=True, help="CSV to write"
+        )
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -71,4 +78,5 @@ def run(arguments: argparse.Namespace) -> None:
 def _switched(arguments: list[str]) -> list[tuple[str, str]]:
     if wrong := [argument for argument in arguments if "=" not in argument]:
         raise NpfmError(f"'{wrong[0]}' has no '='; name the effect, as in visibility=folder")
+    distinct(["scene", *(argument.partition("=")[0] for argument in arguments)])
     return [tuple(argument.split("=", 1)) for argument in arguments]

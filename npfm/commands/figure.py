@@ -3,6 +3,7 @@
 import argparse
 from types import ModuleType
 
+from npfm.commands.outputs import output
 from npfm.figures import style
 
 EXAMPLE = """\
@@ -100,6 +101,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         chosen.add_argument(
             "-o",
             "--output",
+            type=output(*style.KINDS.values()),
             nargs="+",
             required=True,
             help="files to write, .pdf (vector) or .png (300 dpi)",

@@ -8,6 +8,7 @@ from typing import Any
 from tqdm import tqdm
 
 from npfm.commands.numbers import positive, whole
+from npfm.commands.outputs import output
 from npfm.datasets import parameter_files
 from npfm.datasets.parameter_files import FitFile
 from npfm.errors import NpfmError, suggest
@@ -37,7 +38,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EXAMPLE
     parser.add_argument("table", help="MERL .binary file to fit")
     parser.add_argument("--model", required=True, help=f"one of {', '.join(registry.models())}")
-    parser.add_argument("-o", "--output", required=True, help="fit to write (.npz)")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=output(fits.FIT, beside=fits.RECORD),
+        required=True,
+        help="fit to write (.npz)",
+    )
     parser.add_argument(
         "--solver",
         default=solver.method,

@@ -3,9 +3,11 @@
 import argparse
 
 from npfm.commands.numbers import whole
+from npfm.commands.outputs import output
 from npfm.errors import NpfmError
 from npfm.rendering.lights import environment
 from npfm.storage.bounds import check_size
+from npfm.storage.pictures import EXR
 
 EXAMPLE = """\
 examples:
@@ -25,7 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     source.add_argument("--generate", metavar="NAME", help="a light that the project makes")
     parser.add_argument("--layout", help="angular-map, vertical-cross or lat-long")
     parser.add_argument("--height", type=whole(1), default=512, help="rows (default: 512)")
-    parser.add_argument("-o", "--output", required=True, help="lat-long EXR to write")
+    parser.add_argument(
+        "-o", "--output", type=output(EXR), required=True, help="lat-long EXR to write"
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -5,9 +5,10 @@ import os
 from pathlib import Path
 
 from npfm.commands.numbers import whole
+from npfm.commands.outputs import output
 from npfm.errors import NpfmError
-from npfm.reflectance.merl import read_binary, write_binary
-from npfm.storage.files import replacing
+from npfm.reflectance.merl import BINARY, read_binary, write_binary
+from npfm.storage.files import Kind, replacing
 
 EXAMPLE = """\
 examples:
@@ -17,6 +18,12 @@ examples:
 The last one checks brdfs/chrome.binary and links to it; with --url, a file that is missing there is
 downloaded first. Tables are BRDFs in 1/sr, in MERL's own scaling.
 """
+
+LINK = Kind(
+    "a link to a table",
+    ".binary",
+    lambda path: path.is_symlink() and path.readlink().suffix == ".binary",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,7 +38,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--seed", type=whole(0), default=1, help="seed of synthetic noise (default: 1)"
     )
-    parser.add_argument("-o", "--output", required=True, help="MERL .binary file to write")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=output(BINARY, LINK),
+        required=True,
+        help="MERL .binary file to write",
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -58,7 +71,7 @@ def _link(arguments: argparse.Namespace) -> None:
         merl_folder.download(arguments.url, arguments.merl, folder)
     source = merl_folder.path(folder, arguments.merl)
     read_binary(source)
-    if Path(arguments.output).resolve() == source.resolve():
-        raise NpfmError(f"{arguments.output}: is the file to link to; give another output")
-    with replacing(arguments.output) as temporary:
+    if Path(arguments.output).absolute().parent.resolve() == folder.resolve():
+        raise NpfmError(f"{arguments.output}: lies among the measurements; give another output")
+    with replacing(arguments.output, LINK) as temporary:
         os.symlink(source.resolve(), temporary)

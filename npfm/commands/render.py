@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from npfm.commands.numbers import positive
+from npfm.commands.outputs import output
 from npfm.commands.sources import table
 from npfm.reflectance.merl import read_binary
 from npfm.reflectance.table import INVALID, Table
@@ -16,7 +17,8 @@ EXAMPLE = """\
 examples:
   python -m npfm render scene-a chrome.binary -o measured.exr
   python -m npfm render scene-a chrome.npz --measured chrome.binary -o independent-g.exr
-writes linear radiance (RGB, and the coverage by objects as alpha) and a tone-mapped PNG beside it.
+writes linear radiance (RGB, and the coverage by objects as alpha) as measured.exr, and tone-mapped
+as measured.png. Where a file of either name is there that npfm did not write, nothing is written.
 With --measured, cells without a measurement are black, as they are in the picture of the
 measurement: they count neither for nor against the fit.
 """
@@ -34,7 +36,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gamma", type=positive, default=2.2, help="of the PNG, exponent (default: %(default)s)"
     )
-    parser.add_argument("-o", "--output", required=True, help="EXR to write")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=output(pictures.EXR, beside=pictures.PNG),
+        required=True,
+        help="EXR to write",
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -4,6 +4,7 @@ import argparse
 import os
 from pathlib import Path
 
+from npfm.commands.outputs import output
 from npfm.evaluation import tables
 from npfm.evaluation.head_to_head import renderings as by_rendering
 from npfm.figures import figure10, renderings
@@ -32,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--weighting", help="CSV made by npfm tables psnr, with and without compressive weight")
     add("--published", help="CSV made by npfm tables published")
     add("--figures", nargs="*", default=[], help="figures (.png) to show beside the claims")
-    add("-o", "--output", required=True, help="Markdown file to write")
+    add("-o", "--output", type=output(page.PAGE), required=True, help="Markdown file to write")
 
 
 def run(arguments: argparse.Namespace) -> None:

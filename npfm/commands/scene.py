@@ -8,12 +8,13 @@ from collections import Counter
 from pathlib import Path
 
 from npfm.commands.numbers import positive, whole
+from npfm.commands.outputs import output
 from npfm.reflectance.half_difference import MERL
 from npfm.rendering import assembly, effects, scenes, transport
 from npfm.rendering.lights import environment
 from npfm.rendering.sampling import registry
 from npfm.rendering.sampling.strategy import Given
-from npfm.storage.files import replacing
+from npfm.storage.files import Kind, marked, replacing
 
 EXAMPLE = """\
 example:
@@ -23,6 +24,8 @@ example:
 writes a folder with the transport matrix: for every pixel, the weight (radiance per BRDF, the BRDF
 in 1/sr) of each cell of a MERL table. Rendering is then one product a material.
 """
+
+RECORD = Kind("a record of a scene", ".json", marked(b'"effects"', b'"rays"', b'"nonzeros"'))
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -63,9 +66,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--record",
+        type=output(RECORD),
         help="JSON to write: what was built, and its CPU seconds, shadow rays, non-zeros and bytes",
     )
-    parser.add_argument("-o", "--output", required=True, help="folder to write")
+    parser.add_argument(
+        "-o", "--output", type=output(transport.SCENE), required=True, help="folder to write"
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -102,5 +108,5 @@ def run(arguments: argparse.Namespace) -> None:
     }
     transport.save(arguments.output, matrix)
     if arguments.record:
-        with replacing(arguments.record) as temporary:
+        with replacing(arguments.record, RECORD) as temporary:
             temporary.write_text(json.dumps(record, indent=1) + "\n")

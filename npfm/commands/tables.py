@@ -4,6 +4,7 @@ import argparse
 
 import pandas as pd
 
+from npfm.commands.outputs import output
 from npfm.evaluation import tables
 
 #: What each table holds, and what it is made from.
@@ -64,7 +65,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                 metavar="VARIANT/MATERIAL",
                 help="fits that there are not, to be left out",
             )
-        chosen.add_argument("-o", "--output", required=True, help="CSV to write")
+        chosen.add_argument(
+            "-o", "--output", type=output(tables.TABLE), required=True, help="CSV to write"
+        )
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -2,9 +2,10 @@
 
 import argparse
 
+from npfm.commands.outputs import output
 from npfm.commands.sources import tabulate
 from npfm.fitting import fits
-from npfm.reflectance.merl import write_binary
+from npfm.reflectance.merl import BINARY, write_binary
 
 EXAMPLE = """\
 example:
@@ -18,7 +19,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.epilog = EXAMPLE
     parser.add_argument("fit", help="fit (.npz)")
-    parser.add_argument("-o", "--output", required=True, help="MERL .binary file to write")
+    parser.add_argument(
+        "-o", "--output", type=output(BINARY), required=True, help="MERL .binary file to write"
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -3,9 +3,12 @@
 import argparse
 from pathlib import Path
 
+from npfm.commands.outputs import output
+from npfm.errors import NpfmError
 from npfm.exports.texture import labels, texture
 from npfm.fitting import fits
-from npfm.storage.pictures import write_exr
+from npfm.storage.names import distinct
+from npfm.storage.pictures import EXR, write_exr
 
 EXAMPLE = """\
 example:
@@ -19,10 +22,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.epilog = EXAMPLE
     parser.add_argument("fits", nargs="+", help="fits (.npz) of independent-g")
-    parser.add_argument("-o", "--output", required=True, help="picture to write (.exr)")
+    parser.add_argument(
+        "-o", "--output", type=output(EXR), required=True, help="picture to write (.exr)"
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Write the texture."""
-    loaded = {Path(path).stem: fits.load(path) for path in arguments.fits}
+    names = distinct(Path(path).stem for path in arguments.fits)
+    if wrong := [name for name in names if name.split() != [name]]:
+        raise NpfmError(f"'{wrong[0]}': blanks stand between names in the header; rename the fit")
+    loaded = dict(zip(names, map(fits.load, arguments.fits), strict=True))
     write_exr(arguments.output, texture(loaded), labels(loaded))

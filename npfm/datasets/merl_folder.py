@@ -6,8 +6,8 @@ from pathlib import Path
 from urllib.parse import quote
 
 from npfm.errors import NpfmError, suggest
-from npfm.reflectance.merl import FILE_BYTES, check_header
-from npfm.storage.files import replacing
+from npfm.reflectance.merl import BINARY, FILE_BYTES, check_header
+from npfm.storage.files import Kind, marked, replacing
 
 #: Waits before the second, third and fourth attempt at a download, in seconds.
 RETRY_WAITS = (1.0, 4.0, 10.0)
@@ -86,12 +86,13 @@ def download(url_template: str, name: str, folder: str | Path) -> Path:
     file = Path(folder) / f"{name}.binary"
     if file.is_file():
         return file
-    with replacing(file) as temporary:
+    with replacing(file, BINARY) as temporary:
         _fetch(url_template.replace("{name}", quote(name)), temporary)
         with temporary.open("rb") as content:
             digest = hashlib.file_digest(content, "sha256").hexdigest()
         # Before the file takes its name, so that a downloaded file never lacks its record.
-        with replacing(file.with_name(f"{file.name}.sha256")) as record:
+        kind = Kind("a checksum", ".sha256", marked(f"  {file.name}\n".encode()))
+        with replacing(file.with_name(f"{file.name}.sha256"), kind) as record:
             record.write_text(f"{digest}  {file.name}\n")
     return file
 

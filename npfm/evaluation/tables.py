@@ -17,15 +17,23 @@ from npfm.evaluation.comparison import decibels
 from npfm.fitting.factors.smith import diffuseness
 from npfm.fitting.fits import ChannelRecord, load, load_record
 from npfm.papers import bagher2016
-from npfm.storage.files import replacing
+from npfm.storage.files import Kind, marked, replacing
 
 #: Values are kept to six digits: enough for any of the tables, and the same on every machine.
 FLOAT_FORMAT = "%.6g"
 
+#: Any table; `write` looks closer.
+TABLE = Kind("a table", ".csv", marked(b","))
+
 
 def write(path: str | Path, table: pd.DataFrame) -> None:
-    """Write a table as CSV; infinity as ``inf``, a missing value as nothing."""
-    with replacing(path) as temporary:
+    """Write a table as CSV; infinity as ``inf``, a missing value as nothing.
+
+    A file that is there already is replaced if it has the same columns.
+    """
+    header = ",".join(map(str, table.columns)) + "\n"
+    kind = Kind("this table", TABLE.suffix, marked(header.encode()))
+    with replacing(path, kind) as temporary:
         table.to_csv(temporary, index=False, float_format=FLOAT_FORMAT, lineterminator="\n")
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from npfm.evaluation.effects_cost import read
 from npfm.figures import style
+from npfm.storage.names import distinct
 from npfm.storage.pictures import read_exr_parts
 
 ROW, CELL, MARGIN = 0.17, 1.5, 1.0  # inches: a row of a panel, a picture, axes and titles
@@ -41,7 +42,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def make(arguments: argparse.Namespace) -> Figure:
     """Draw the figure from the table and the pictures that the arguments name."""
-    changed = {Path(path).stem: read_exr_parts(path) for path in arguments.changed}
+    names = distinct(Path(path).stem for path in arguments.changed)
+    changed = dict(zip(names, map(read_exr_parts, arguments.changed), strict=True))
     return draw(read([arguments.table]), changed, [imread(path) for path in arguments.shown])
 
 

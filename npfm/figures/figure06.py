@@ -17,6 +17,7 @@ from npfm.fitting import fits
 from npfm.papers import authors_factors
 from npfm.reflectance.half_difference import MERL
 from npfm.reflectance.table import CHANNELS
+from npfm.storage.names import distinct
 
 PANEL_HEIGHT, LEGEND_HEIGHT = 1.35, 0.4  # inches
 #: Okabe and Ito's colours nearest to the channels' own.
@@ -54,7 +55,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def make(arguments: argparse.Namespace) -> Figure:
     """Draw the figure from the fits that the arguments name."""
     a = arguments
-    ours = {Path(path).stem: _factors(path) for path in a.fits}
+    names = distinct(Path(path).stem for path in a.fits)
+    ours = dict(zip(names, map(_factors, a.fits), strict=True))
     return draw(ours, authors_factors.read(a.published) if a.published else {})
 
 

@@ -13,6 +13,7 @@ from npfm.exports.texture import rows, texture
 from npfm.figures import style
 from npfm.figures.slice_axes import TICKS_D, TICKS_H
 from npfm.fitting import fits
+from npfm.storage.names import distinct
 
 COEFFICIENT_HEIGHT, FACTOR_HEIGHT = 0.16, 1.15  # inches
 POINTS, LETTER = 72, 0.62  # points an inch; width of a letter, of its size
@@ -34,7 +35,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def make(arguments: argparse.Namespace) -> Figure:
     """Draw the figure from the fits that the arguments name."""
-    loaded = {Path(path).stem: fits.load(path) for path in arguments.fits}
+    names = distinct(Path(path).stem for path in arguments.fits)
+    loaded = dict(zip(names, map(fits.load, arguments.fits), strict=True))
     values, places = texture(loaded), rows(next(iter(loaded.values())))
     return draw({name: values[place] for name, place in places.items()}, list(loaded))
 

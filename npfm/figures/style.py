@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from npfm.errors import NpfmError
-from npfm.storage.files import replacing
+from npfm.storage.files import Kind, check_replaceable, marked, replacing
 
 #: Inches; the text of an ACM Transactions on Graphics page is 7 in wide, a column 3.33 in.
 PAGE_WIDTH, COLUMN_WIDTH = 7.0, 3.33
@@ -35,10 +35,15 @@ SETTINGS = {
     "ytick.major.size": 2,
     "pdf.fonttype": 42,  # TrueType: text in the PDF can be searched and edited
 }
+#: What a figure is written as, and how one of ours is told from others.
+KINDS = {
+    ".pdf": Kind("a figure", ".pdf", marked(b"%PDF", b"/Creator (npfm)")),
+    ".png": Kind("a figure", ".png", marked(b"PNG\r\n", b"Software\0npfm")),
+}
 #: What would differ from run to run or from machine to machine is left out of the files.
 METADATA = {
-    ".pdf": {"Creator": None, "Producer": None, "CreationDate": None},
-    ".png": {"Software": None},
+    ".pdf": {"Creator": "npfm", "Producer": None, "CreationDate": None},
+    ".png": {"Software": "npfm"},
 }
 
 
@@ -161,12 +166,11 @@ def save(figure: Figure, paths: Sequence[str | Path]) -> None:
     Raises
     ------
     NpfmError
-        If a name ends in something else.
+        If a name ends in something else, or something else is there.
     """
     paths = [Path(path) for path in paths]
     for path in paths:
-        if path.suffix not in METADATA:
-            raise NpfmError(f"{path}: a figure is a .pdf or a .png; change the name's end")
+        check_replaceable(path, *KINDS.values())
     for path in paths:
-        with context(), replacing(path) as temporary:
+        with context(), replacing(path, KINDS[path.suffix]) as temporary:
             figure.savefig(temporary, dpi=DPI, metadata=METADATA[path.suffix])

@@ -13,10 +13,12 @@ from npfm.errors import NpfmError
 from npfm.reflectance import grids
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import G
-from npfm.storage.files import replacing
+from npfm.storage.files import Kind, marked, replacing
 
 FORMAT = "npfm-fit-1"
 UNITS = "angles in radians, BRDF in 1/sr"
+FIT = Kind("a fit", ".npz", marked(b"format.npy", b"model.npy", b"units.npy", b"grid.npy"))
+RECORD = Kind("a record of a fit", ".json", marked(b'"model"', b'"parameters"', b'"channels"'))
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,7 @@ class Fit(Generic[G]):
     parameters : dict of str to ndarray of float32
         The model's own arrays, first axis the colour channel; nothing else is needed to
         tabulate.
-    grid : Grid
+    grid : HalfDifference
         The grid of the table that was fitted.
     records : tuple of ChannelRecord
         One a channel; empty when only the parameters were read.
@@ -126,14 +128,12 @@ def save(path: str | Path, fit: Fit) -> None:
 
     The parameters alone are the fit: the same seed gives the same bytes. Times are in the record.
     """
-    if Path(path).suffix != ".npz":
-        raise NpfmError(f"{path}: a fit is written as .npz; give a name that ends so")
     labels = {"format": FORMAT, "model": fit.model, "units": UNITS}
     # Fits had only one kind of grid at first, and those on it are the same bytes as ever.
     if fit.grid.kind != HalfDifference.kind:
         labels["grid_kind"] = fit.grid.kind
     about = {name: np.array(text) for name, text in labels.items()}
-    with replacing(path) as temporary:
+    with replacing(path, FIT) as temporary:
         np.savez(temporary, **about, grid=np.array(fit.grid.shape), **fit.parameters)
     record = {
         "model": fit.model,
@@ -141,7 +141,7 @@ def save(path: str | Path, fit: Fit) -> None:
         "bytes": fit.parameter_bytes,
         "channels": [asdict(channel) for channel in fit.records],
     }
-    with replacing(record_path(path)) as temporary:
+    with replacing(record_path(path), RECORD) as temporary:
         temporary.write_text(json.dumps(record, indent=1) + "\n")
 
 

@@ -10,8 +10,10 @@ import pandas as pd
 from npfm.papers import bagher2016
 from npfm.papers.claims import TOPICS, Claim, Topic
 from npfm.papers.evidence import Evidence, Untestable
-from npfm.storage.files import replacing
+from npfm.storage.files import Kind, marked, replacing
 
+TITLE = "# Does it reproduce? The run"
+PAGE = Kind("a page of claims", ".md", marked(TITLE.encode()))
 HOLDS, DIFFERS, UNTESTABLE = "holds", "differs", "cannot be tested here"
 #: What the paper's measured tables are replaced with, by the kind of the dataset.
 TABLES = {
@@ -56,7 +58,7 @@ def write(
     ]
     counts = Counter(verdict for _, rows in found for _, _, verdict, _ in rows)
     blocks = [
-        f"# Does it reproduce? The run `{name}`",
+        f"{TITLE} `{name}`",
         f"The claims of {bagher2016.SOURCE}, one by one, beside what this run says. Written by "
         "`snakemake reproduction` from the run's tables; not to be edited.",
         _tally(evidence, counts),
@@ -64,7 +66,7 @@ def write(
         *([_distance(distance)] if distance is not None and not distance.empty else []),
         *(_topic(k, topic, rows, figures) for k, (topic, rows) in enumerate(found, start=1)),
     ]
-    with replacing(path) as temporary:
+    with replacing(path, PAGE) as temporary:
         temporary.write_text("\n\n".join(blocks) + "\n")
 
 

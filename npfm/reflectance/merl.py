@@ -7,7 +7,7 @@ import numpy as np
 from npfm.errors import NpfmError
 from npfm.reflectance.half_difference import MERL
 from npfm.reflectance.table import CHANNELS, Table
-from npfm.storage.files import replacing
+from npfm.storage.files import Kind, replacing
 
 #: What a stored value is multiplied with to give a BRDF in 1/sr, for red, green and blue
 #: (BRDFRead.cpp, distributed with the MERL database).
@@ -80,6 +80,17 @@ def check_header(path: str | Path) -> None:
         )
 
 
+def _is_table(path: Path) -> bool:
+    """Whether a file, no link, begins as a MERL file."""
+    if path.is_symlink() or not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return file.read(HEADER_BYTES) == np.array(MERL.shape, dtype="<i4").tobytes()
+
+
+BINARY = Kind("a table of MERL's format", ".binary", _is_table)
+
+
 def write_binary(path: str | Path, table: Table) -> None:
     """Write a table as a MERL ``.binary`` file; negative values are written as they are.
 
@@ -90,7 +101,7 @@ def write_binary(path: str | Path, table: Table) -> None:
     """
     if table.grid != MERL:
         raise NpfmError(f"{path}: a MERL file cannot hold a table on the grid {table.grid.name}")
-    with replacing(path) as temporary, open(temporary, "wb") as file:
+    with replacing(path, BINARY) as temporary, open(temporary, "wb") as file:
         # Not ndarray.tofile, which says nothing when the disk is full for its last bytes.
         file.write(np.array(MERL.shape, dtype="<i4").data)
         scale = CHANNEL_SCALE[:, None, None, None]

@@ -17,7 +17,7 @@ from npfm.reflectance import grids
 from npfm.reflectance.grids import Grid
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
-from npfm.storage.files import replacing
+from npfm.storage.files import Kind, replacing
 
 
 @dataclass(frozen=True)
@@ -102,9 +102,20 @@ def render(transport: Transport, table: Table) -> NDArray[np.float32]:
     return picture
 
 
+def _is_scene(path: Path) -> bool:
+    """Whether a folder, no link, is empty, or has the files of a matrix and nothing else."""
+    if path.is_symlink() or not path.is_dir():
+        return False
+    names = {entry.name for entry in path.iterdir()}
+    return not names or names == {f"{name}.npy" for name in Transport.__dataclass_fields__}
+
+
+SCENE = Kind("a scene", "", _is_scene)
+
+
 def save(path: str | Path, transport: Transport) -> None:
     """Write a matrix as a folder of ``.npy`` files, whole or not at all."""
-    with replacing(path) as temporary:
+    with replacing(path, SCENE) as temporary:
         temporary.mkdir()
         for name, value in transport.arrays.items():
             with open(temporary / f"{name}.npy", "wb") as file:

@@ -70,7 +70,7 @@ def read(path: Path) -> NDArray[np.float32]:
         raise NpfmError(f"{path}: cut off or damaged; copy or make the file again") from None
     exponent = stored[..., 3:].astype(np.int32) - EXCESS
     scale = np.where(stored[..., 3:] > 0, np.ldexp(np.float32(1), exponent), np.float32(0))
-    upright = _upright(stored[..., :3] * scale, dict([found.group(2, 1), found.group(5, 4)]))
+    upright = _upright(stored[..., :3] * scale, {found[2]: found[1], found[5]: found[4]})
     return upright if (factor == 1).all() else (upright / factor).astype(np.float32)
 
 

@@ -7,11 +7,16 @@ import numpy as np
 import OpenEXR
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from npfm.errors import NpfmError
 from npfm.storage import exr, hdr
-from npfm.storage.files import replacing
+from npfm.storage.files import Kind, marked, replacing
 
+#: What is written tells who wrote it, so that nothing else is ever overwritten.
+SOFTWARE = "npfm"
+EXR = Kind("an OpenEXR picture", ".exr", marked(exr.MAGIC, b"software\0string\0\4\0\0\0npfm"))
+PNG = Kind("a PNG picture", ".png", marked(b"PNG\r\n", b"Software\0npfm"))
 #: Formats that hold radiance: how their files begin, and what reads them.
 READERS = {"OpenEXR": (exr.MAGIC, exr.read), "HDR (Radiance RGBE)": (hdr.MAGIC, hdr.read)}
 
@@ -31,7 +36,7 @@ def write_exr(
         Text or numbers to be kept in the header (numbers as float32).
     """
     header = _header() | dict(attributes or {})
-    with replacing(path) as temporary, OpenEXR.File(header, _channels(pixels)) as file:
+    with replacing(path, EXR) as temporary, OpenEXR.File(header, _channels(pixels)) as file:
         file.write(str(temporary))
 
 
@@ -46,12 +51,16 @@ def write_exr_parts(path: str | Path, parts: Mapping[str, ArrayLike]) -> None:
         Linear RGB or RGBA by name, in the order in which a viewer shows them.
     """
     parts_list = [OpenEXR.Part(_header(), _channels(p), name) for name, p in parts.items()]
-    with replacing(path) as temporary, OpenEXR.File(parts_list) as file:
+    with replacing(path, EXR) as temporary, OpenEXR.File(parts_list) as file:
         file.write(str(temporary))
 
 
 def _header() -> dict:
-    return {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    return {
+        "compression": OpenEXR.ZIP_COMPRESSION,
+        "type": OpenEXR.scanlineimage,
+        "software": SOFTWARE,
+    }
 
 
 def _channels(pixels: ArrayLike) -> dict[str, NDArray[np.float32]]:
@@ -154,5 +163,7 @@ def write_png(path: str | Path, rgb: NDArray[np.uint8]) -> None:
     rgb : ndarray of uint8, shape (height, width, 3)
         Display values; row 0 is the top.
     """
-    with replacing(path) as temporary:
-        Image.fromarray(rgb).save(temporary, format="PNG")
+    about = PngInfo()
+    about.add_text("Software", SOFTWARE)
+    with replacing(path, PNG) as temporary:
+        Image.fromarray(rgb).save(temporary, format="PNG", pnginfo=about)

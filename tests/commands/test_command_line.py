@@ -83,6 +83,10 @@ def test_missing_samples_are_black_in_the_picture_of_a_fit(folder):
     assert partial[inside][:, :3].sum() < whole[inside][:, :3].sum()
 
 
+#: Of the outputs that are no pictures.
+SUFFIXES = {"fit": ".npz", "material": ".binary", "tabulate": ".binary", "scene": ""}
+
+
 @pytest.mark.parametrize(
     ("call", "named"),
     [
@@ -141,7 +145,8 @@ def test_mistakes_are_one_line_that_names_the_file_and_leave_nothing(folder, cap
         "0 0 0\n1 0 0\n0 1 0\n"
     )
     before = sorted(path.name for path in folder.rglob("*"))
-    assert main(call.format(folder=folder, out=folder / "out" / "result").split()) == 1
+    out = folder / "out" / f"result{SUFFIXES.get(call.split()[0], '.exr')}"
+    assert main(call.format(folder=folder, out=out).split()) == 1
     message = capsys.readouterr().err
     assert message.startswith(f"npfm {call.split()[0]}: ")
     assert message.count("\n") == 1

@@ -95,8 +95,8 @@ def test_a_process_killed_while_it_writes_leaves_the_old_file(tmp_path):
     path.write_text("old")
     code = (
         "import os, sys\n"
-        "from npfm.storage.files import replacing\n"
-        "with replacing(sys.argv[1]) as temporary:\n"
+        "from npfm.storage.files import Kind, replacing\n"
+        "with replacing(sys.argv[1], Kind('a table', '.csv', lambda path: True)) as temporary:\n"
         "    temporary.write_text('half')\n"
         "    os.kill(os.getpid(), 9)\n"
     )

@@ -80,7 +80,8 @@ def test_a_file_that_cannot_be_read_is_told_in_one_line(tmp_path, picture):
     whole = (tmp_path / "p.exr").read_bytes()
     (tmp_path / "half.exr").write_bytes(whole[: len(whole) - 20])
     (tmp_path / "text.exr").write_text("not a picture")
-    write_png(tmp_path / "png.exr", tone_map(picture[..., :3], 1, 2.2))
+    write_png(tmp_path / "p.png", tone_map(picture[..., :3], 1, 2.2))
+    (tmp_path / "p.png").rename(tmp_path / "png.exr")
     grey = {"Y": np.ones((4, 4), dtype=np.float32)}
     with OpenEXR.File({"type": OpenEXR.scanlineimage}, grey) as file:
         file.write(str(tmp_path / "grey.exr"))
