@@ -20,6 +20,8 @@ ZIP = Kind("a zip archive", "unpack it and give the file that is in it")
 NPY = Kind("a single NumPy array (.npy)", "save all arrays together with numpy.savez")
 PAGE = Kind("an HTML page", "download the file itself, not the page about it")
 POINTER = Kind("a git-lfs pointer", "fetch what it stands for with 'git lfs pull'")
+PLY = Kind("a PLY mesh", "give it where a mesh is asked for")
+JSON = Kind("a JSON file", "download the file itself")
 _COMPRESSED = "decompress it and give the file that is in it"
 _PICTURE = "give it where a light or a picture is asked for"
 
@@ -36,8 +38,8 @@ _MAGIC = {
     b"tensor_file\0": Kind("a tensor file of the RGL database (.bsdf)", "convert it first"),
     b"\x93NUMPY": NPY,
     b"\x89HDF\r\n\x1a\n": Kind("an HDF5 file", "convert it first"),
-    b"ply\n": Kind("a PLY mesh", "give it where a mesh is asked for"),
-    b"ply\r": Kind("a PLY mesh", "give it where a mesh is asked for"),
+    b"ply\n": PLY,
+    b"ply\r": PLY,
     b"v/1\x01": Kind("an OpenEXR picture", _PICTURE),
     b"#?R": Kind("a Radiance picture", _PICTURE),
     b"\x89PNG": Kind("a PNG picture", _PICTURE),
@@ -54,7 +56,7 @@ _TEXT = {
     b"<head": PAGE,
     b"<?xml": Kind("an XML file", "download the file itself"),
     b"<error": Kind("an XML file", "download the file itself"),
-    b'{"': Kind("a JSON file", "download the file itself"),
+    b'{"': JSON,
 }
 
 
