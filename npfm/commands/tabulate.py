@@ -3,8 +3,7 @@
 import argparse
 
 from npfm.commands.outputs import output
-from npfm.commands.sources import tabulate
-from npfm.fitting import fits
+from npfm.commands.sources import tabulated
 from npfm.reflectance.merl import BINARY, write_binary
 
 EXAMPLE = """\
@@ -26,4 +25,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Tabulate the fit."""
-    write_binary(arguments.output, tabulate(fits.load(arguments.fit)))
+    write_binary(arguments.output, tabulated(arguments.fit))

@@ -2,6 +2,7 @@
 
 import hashlib
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from urllib.parse import quote
 
@@ -17,8 +18,18 @@ TIMEOUT = 30.0
 PASSING_STATUSES = (408, 429)
 
 
+#: Bytes that are taken at a time.
+CHUNK_BYTES = 2**20
+#: A table hardly shrinks, and what a server has packed may unpack to anything.
+AS_IT_IS = {"Accept-Encoding": "identity"}
+
+
 class _FailedAttempt(Exception):
     """What went wrong in a transfer that may go well the next time."""
+
+
+class _Refused(Exception):
+    """Why what a server sends is no MERL file, now or later."""
 
 
 def materials(folder: str | Path) -> list[str]:
@@ -27,13 +38,17 @@ def materials(folder: str | Path) -> list[str]:
     Raises
     ------
     NpfmError
-        If there is no such folder.
+        If there is no such folder, or a file in it would be missed for its ``.BINARY``.
     """
     folder = Path(folder)
     if not folder.is_dir():
         raise NpfmError(f"{folder}: no such folder; give the folder of the MERL .binary files")
     # A leading dot marks a file that is still being written (`npfm.storage.files.replacing`).
-    return sorted(p.stem for p in folder.glob("*.binary") if not p.name.startswith("."))
+    files = [p for p in folder.iterdir() if p.suffix.lower() == ".binary" and p.name[:1] != "."]
+    for file in files:
+        if file.suffix != ".binary":
+            raise NpfmError(f"{file}: rename it to {file.stem}.binary, in lower case")
+    return sorted(file.stem for file in files)
 
 
 def path(folder: str | Path, name: str) -> Path:
@@ -76,7 +91,8 @@ def download(url_template: str, name: str, folder: str | Path) -> Path:
     ------
     NpfmError
         If the template is no web address or lacks ``{name}``, the server has no such file or
-        cannot be reached, or the transfer is cut off or not a MERL file at every attempt.
+        cannot be reached, sends more than a MERL file has, or the transfer is cut off or not a
+        MERL file at every attempt.
     """
     if not url_template.startswith(("http://", "https://")) or "{name}" not in url_template:
         raise NpfmError(
@@ -111,6 +127,15 @@ def _fetch(url: str, target: Path) -> None:
             time.sleep(wait)
 
 
+def _check_announced(headers: Mapping[str, str]) -> None:
+    """Refuse what cannot be a MERL file before any of it is taken."""
+    length = headers.get("Content-Length", "")
+    if length.isdecimal() and int(length) > FILE_BYTES:
+        raise _Refused(f"the server announces {length} bytes, a MERL file has {FILE_BYTES}")
+    if (encoding := headers.get("Content-Encoding", "identity")) != "identity":
+        raise _Refused(f"the server sends it packed ({encoding}) though it was asked not to")
+
+
 def _attempt(url: str, target: Path) -> None:
     """Download and check once."""
     import requests  # 0.1 s, and most runs download nothing
@@ -118,16 +143,19 @@ def _attempt(url: str, target: Path) -> None:
 
     try:
         with (
-            requests.get(url, stream=True, timeout=TIMEOUT) as response,
+            requests.get(url, stream=True, timeout=TIMEOUT, headers=AS_IT_IS) as response,
             target.open("wb") as file,
             tqdm(
                 desc=url, total=FILE_BYTES, unit="B", unit_scale=True, delay=2, disable=None
             ) as progress,
         ):
             response.raise_for_status()
+            _check_announced(response.headers)
             # Raises when less arrives than the Content-Length promises.
-            for chunk in response.iter_content(2**20):
+            for chunk in response.iter_content(CHUNK_BYTES):
                 progress.update(file.write(chunk))
+                if file.tell() > FILE_BYTES:
+                    raise _Refused(f"more than the {FILE_BYTES} bytes of a MERL file arrive")
         check_header(target)
     except requests.HTTPError as error:
         status = error.response.status_code
@@ -139,6 +167,8 @@ def _attempt(url: str, target: Path) -> None:
         raise _FailedAttempt(f"{status} {error.response.reason}") from None
     except requests.RequestException as error:
         raise _FailedAttempt(str(error)) from None
+    except _Refused as error:
+        raise NpfmError(f"{url}: {error}; check the download address") from None
     except NpfmError as error:
         # Without a Content-Length, a short file is all that a cut-off transfer shows.
         raise _FailedAttempt(str(error).removeprefix(f"{target}: ")) from None

@@ -7,6 +7,7 @@ asztr/Neural-BRDF: for each material one Keras file with the layers 6-21-21-3.
 import io
 import zipfile
 from pathlib import Path, PurePosixPath
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +15,15 @@ from numpy.typing import NDArray
 from npfm.errors import NpfmError, suggest
 from npfm.reflectance.half_difference import MERL
 from npfm.reflectance.table import INVALID, Table
+from npfm.storage.archives import opened, read_member
 
 #: Inputs and outputs of the layers ``dense_1``, ``dense_2`` and ``dense_3``.
 LAYERS = {"dense_1": (6, 21), "dense_2": (21, 21), "dense_3": (21, 3)}
+
+#: Such a file has 19 KB, of which 2.7 are weights. Nothing larger is unpacked.
+MEMBER_BYTES = 2**20
+WHAT = "the zip of the neural materials"
+ORIGIN = "get data/merl_nbrdf.zip from github.com/asztr/Neural-BRDF"
 
 Network = list[tuple[NDArray[np.float64], NDArray[np.float64]]]
 
@@ -29,8 +36,8 @@ def materials(archive: str | Path) -> list[str]:
     NpfmError
         If the archive is absent, is not a zip, or holds no network.
     """
-    with _open(archive) as opened:
-        return sorted(_members(archive, opened))
+    with opened(archive, WHAT, ORIGIN) as networks:
+        return sorted(_members(archive, networks))
 
 
 def load(archive: str | Path, name: str) -> Table:
@@ -53,35 +60,38 @@ def load(archive: str | Path, name: str) -> Table:
     Raises
     ------
     NpfmError
-        If the archive is absent, is not a zip, has no such material, or its layers differ.
+        If the archive is absent, is not a zip, has no such material, or the network is damaged,
+        has other layers, or gives no finite reflectance.
     """
-    with _open(archive) as opened:
-        members = _members(archive, opened)
+    with opened(archive, WHAT, ORIGIN) as networks:
+        members = _members(archive, networks)
         if name not in members:
             raise NpfmError(
                 f"{archive}: no network of a material '{name}'; {suggest(name, members)}"
             )
-        content = opened.read(members[name])
-    return Table(_evaluate(_network(content, f"{archive}: {members[name]}")))
+        content = read_member(networks, members[name], MEMBER_BYTES)
+    source = f"{archive}: {members[name].filename}"
+    network = _network(content, source)
+    with np.errstate(over="ignore", invalid="ignore"):
+        values = _evaluate(network)
+    if not np.isfinite(values).all():
+        raise NpfmError(f"{source}: it gives reflectances that are not finite; leave it out")
+    return Table(values)
 
 
-def _open(archive: str | Path) -> zipfile.ZipFile:
-    try:
-        return zipfile.ZipFile(archive)
-    except FileNotFoundError:
-        raise NpfmError(
-            f"{archive}: no such file; get data/merl_nbrdf.zip from github.com/asztr/Neural-BRDF"
-        ) from None
-    except (zipfile.BadZipFile, OSError) as error:
-        raise NpfmError(
-            f"{archive}: cannot be read as a zip ({error}); download merl_nbrdf.zip again"
-        ) from None
-
-
-def _members(archive: str | Path, opened: zipfile.ZipFile) -> dict[str, str]:
-    """Material name -> member of the archive."""
-    paths = {PurePosixPath(member): member for member in opened.namelist()}
-    members = {path.stem: member for path, member in paths.items() if path.suffix == ".h5"}
+def _members(archive: str | Path, networks: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
+    """Member of the archive by material; folders, and what macOS packs beside files, are none."""
+    members: dict[str, zipfile.ZipInfo] = {}
+    for member in networks.infolist():
+        path = PurePosixPath(member.filename.replace("\\", "/"))
+        if member.is_dir() or path.name.startswith(".") or path.suffix.lower() != ".h5":
+            continue
+        if path.stem in members:
+            raise NpfmError(
+                f"{archive}: two networks of a material '{path.stem}', "
+                f"{members[path.stem].filename} and {member.filename}; keep one of them"
+            )
+        members[path.stem] = member
     if not members:
         raise NpfmError(f"{archive}: holds no network (*.h5); give merl_nbrdf.zip as published")
     return members
@@ -93,21 +103,27 @@ def _network(content: bytes, source: str) -> Network:
 
     try:
         with h5py.File(io.BytesIO(content)) as file:
-            layers = [(file[f"{k}/{k}/kernel:0"][()], file[f"{k}/{k}/bias:0"][()]) for k in LAYERS]
-    except (OSError, KeyError) as error:
-        reason = str(error).strip("\"'")
+            return [(_weights(file, k, "kernel"), _weights(file, k, "bias")) for k in LAYERS]
+    # A damaged file is met with whatever exception comes up in the depths of HDF5.
+    except Exception as error:
+        reason = " ".join(str(error).split()).strip("\"'")
         raise NpfmError(
             f"{source}: not a Keras file with the layers dense_1 to dense_3 ({reason}); "
             "use the published merl_nbrdf.zip"
         ) from None
-    shapes = [kernel.shape for kernel, _ in layers]
-    if shapes != list(LAYERS.values()) or any(b.shape != k.shape[1:] for k, b in layers):
-        found = ", ".join("x".join(map(str, shape)) for shape in shapes)
-        raise NpfmError(
-            f"{source}: the layers are {found} where 6x21, 21x21, 21x3 are expected; "
-            "use the published merl_nbrdf.zip"
-        )
-    return [(kernel.astype(np.float64), bias.astype(np.float64)) for kernel, bias in layers]
+
+
+def _weights(file: Any, layer: str, part: str) -> NDArray[np.float64]:
+    """One array of a layer, its shape and type checked before anything is read."""
+    stored = file[f"{layer}/{layer}/{part}:0"]
+    expected = LAYERS[layer] if part == "kernel" else LAYERS[layer][1:]
+    shape = getattr(stored, "shape", None)
+    if shape != expected or stored.dtype.kind != "f":
+        raise ValueError(f"the {part} of {layer} is {shape} where {expected} is expected")
+    weights = stored[()].astype(np.float64)
+    if not np.isfinite(weights).all():
+        raise ValueError(f"the {part} of {layer} holds a NaN or an infinity")
+    return weights
 
 
 def _evaluate(network: Network) -> NDArray[np.float64]:

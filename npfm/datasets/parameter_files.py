@@ -6,19 +6,29 @@ comment.
 """
 
 import ast
-from collections.abc import Mapping
+import codecs
+import unicodedata
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from npfm.datasets.names import MERL_NAMES
 from npfm.errors import NpfmError, suggest
+from npfm.storage.lookalikes import mistaken
 
 #: Values by name; `DIFFUSE` is the albedo of the Lambertian part.
 Parameters = Mapping[str, NDArray[np.float64]]
 DIFFUSE = "diffuse albedo"
 ORIGIN = "get it from the folder fits of github.com/bsdfbenchmark/bbm"
+#: A line has some 300 bytes; 10 000 materials fit.
+MOST_BYTES = 2**24
+#: Names so similar (`difflib`, 0 to 1) are taken for one that is misspelt.
+NEARLY = 0.85
 
 
 @dataclass(frozen=True)
@@ -52,11 +62,7 @@ def read(path: str | Path, file: FitFile) -> dict[str, Parameters]:
         is in two lines; with the number of the line.
     """
     path = Path(path)
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        why = "no such file" if isinstance(error, FileNotFoundError) else f"no text ({error})"
-        raise NpfmError(f"{path}: {why}; {ORIGIN}") from None
+    lines = _text(path).splitlines()
     found: dict[str, Parameters] = {}
     seen: dict[str, int] = {}
     for number, line in enumerate(lines, 1):
@@ -76,11 +82,75 @@ def read(path: str | Path, file: FitFile) -> dict[str, Parameters]:
     return found
 
 
+def check_names(path: str | Path, found: Collection[str], wanted: Collection[str]) -> None:
+    """Check that no material is missed for the spelling of its name alone.
+
+    A file may lack materials, and may have more than a run. What it must not have is a name that
+    nobody knows, of MERL or of the run, and that is nearly that of a material which it lacks.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file, for the message.
+    found : collection of str
+        Names in the file.
+    wanted : collection of str
+        Names of the run's materials.
+
+    Raises
+    ------
+    NpfmError
+        If there is such a name.
+    """
+    strangers = {_plain(name): name for name in found if name not in {*MERL_NAMES, *wanted}}
+    for name in sorted(set(wanted) - set(found)):
+        if near := get_close_matches(_plain(name), strangers, n=1, cutoff=NEARLY):
+            raise NpfmError(
+                f"{path}: has no '{name}' but '{strangers[near[0]]}', which is no material of MERL "
+                "or of this run; correct the name in the file"
+            )
+
+
+def _plain(name: str) -> str:
+    """A name without what a look does not tell apart: case, kinds of dashes and blanks."""
+    letters = unicodedata.normalize("NFKD", name).casefold().removesuffix(".binary")
+    seen = (c for c in letters if unicodedata.category(c) not in ("Cc", "Cf", "Mn"))
+    dashed = ("-" if c in "_. " or unicodedata.category(c) in ("Pd", "Zs") else c for c in seen)
+    return "".join(dashed)
+
+
+def _text(path: Path) -> str:
+    """Text of a file in UTF-8, or in UTF-16 with a byte-order mark."""
+    try:
+        if other := mistaken(path, "a .fit file"):
+            raise NpfmError(f"{path}: {other}, or {ORIGIN}")
+        content = path.read_bytes() if path.stat().st_size <= MOST_BYTES else b""
+    except OSError as error:
+        why = "no such file" if isinstance(error, FileNotFoundError) else str(error)
+        raise NpfmError(f"{path}: {why}; {ORIGIN}") from None
+    if not content:
+        raise NpfmError(f"{path}: more than {MOST_BYTES} bytes, too many for a .fit file; {ORIGIN}")
+    wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    try:
+        text = content.decode("utf-16" if wide else "utf-8-sig")
+    except UnicodeDecodeError as error:
+        number = content.count(b"\n", 0, error.start) + 1
+        raise NpfmError(
+            f"{path}, line {number}: no text in UTF-8 ({error.reason}); save it as UTF-8, or "
+            f"{ORIGIN}"
+        ) from None
+    if "\0" in text:
+        raise NpfmError(f"{path}: no text, it holds zero bytes; {ORIGIN}")
+    return text
+
+
 def _entry(line: str, file: FitFile) -> tuple[str, Parameters]:
     name, equals, text = (part.strip() for part in line.partition("="))
     try:
-        aggregate = ast.parse(text, mode="eval").body
+        aggregate: Any = ast.parse(text, mode="eval").body
         outer, arguments = aggregate.func.id, aggregate.args
+        if aggregate.keywords:
+            raise ValueError("an aggregate of more than its two parts")
         (base, diffuse), (model, parameters) = (_call(node) for node in arguments)
     except (SyntaxError, ValueError, AttributeError, TypeError, MemoryError, RecursionError):
         outer = base = None
@@ -95,8 +165,8 @@ def _entry(line: str, file: FitFile) -> tuple[str, Parameters]:
     return name, {DIFFUSE: checked["albedo"], **_checked(model, parameters, file.shapes)}
 
 
-def _call(node: ast.expr) -> tuple[str, dict]:
-    if node.args:
+def _call(node: Any) -> tuple[str, dict]:
+    if node.args or any(keyword.arg is None for keyword in node.keywords):
         raise ValueError("a value without a name")
     values = {keyword.arg: ast.literal_eval(keyword.value) for keyword in node.keywords}
     return node.func.id, values
@@ -113,7 +183,7 @@ def _checked(
             raise ValueError(f"{model} lacks '{name}'; complete the line or leave it out")
         try:
             checked[name] = np.asarray(values[name], dtype=float)
-        except (ValueError, TypeError):
+        except (ValueError, TypeError, OverflowError):
             checked[name] = np.array(np.nan)
         if checked[name].shape != shape or not np.isfinite(checked[name]).all():
             wanted = " x ".join(map(str, shape)) or "1"

@@ -4,6 +4,8 @@ Every table is made from explicit lists of names, never from what lies in a fold
 left over from an earlier run do not count. Rows stand in the order of those lists.
 """
 
+import csv
+import io
 from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
@@ -60,15 +62,25 @@ def read(
     # a material may be called "none" or "001": only an empty number is a missing value
     missing = {name: [""] for name in numbers}
     try:
+        _check_rows(path)
         table = pd.read_csv(
             path, usecols=list(types), dtype=types, keep_default_na=False, na_values=missing
         )
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, csv.Error) as error:
         why = " ".join(str(error).split())
         raise NpfmError(f"{path}: cannot be read as a table ({why}); make it again") from error
     if table.empty and not may_be_empty:
         raise NpfmError(f"{path}: a table without rows; make it again")
     return table
+
+
+def _check_rows(path: str | Path) -> None:
+    """Raise ValueError for a file that is cut off: pandas would fill it up in silence."""
+    content = Path(path).read_text(encoding="utf-8")
+    rows = csv.reader(io.StringIO(content, newline=""))
+    columns = {len(row) for row in rows if row}
+    if len(columns) > 1 or (content and not content.endswith("\n")):
+        raise ValueError("a row is cut off or has too many columns")
 
 
 def read_psnr(path: str | Path) -> pd.DataFrame:

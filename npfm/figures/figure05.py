@@ -56,7 +56,7 @@ def _tabulate(path: str) -> Table:
     fit = fits.load(path)
     if fit.model not in models:
         raise NpfmError(f"{path}: a fit of {fit.model}; give one of {', '.join(MODELS)}")
-    return models[fit.model].tabulate(fit)
+    return fits.tabulate(path, fit, models[fit.model])
 
 
 def median(table: Table) -> float:

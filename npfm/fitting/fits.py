@@ -1,9 +1,11 @@
 """What a fit is: parameters in float32, and the record of how they were found."""
 
+import inspect
 import json
-import zipfile
+import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import Generic
 
 import numpy as np
@@ -11,14 +13,20 @@ from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.reflectance import grids
-from npfm.reflectance.half_difference import HalfDifference
-from npfm.reflectance.table import G
+from npfm.reflectance.half_difference import MERL, HalfDifference
+from npfm.reflectance.table import CHANNELS, G, Table
+from npfm.storage.archives import read_arrays
 from npfm.storage.files import Kind, marked, replacing
 
 FORMAT = "npfm-fit-1"
 UNITS = "angles in radians, BRDF in 1/sr"
 FIT = Kind("a fit", ".npz", marked(b"format.npy", b"model.npy", b"units.npy", b"grid.npy"))
 RECORD = Kind("a record of a fit", ".json", marked(b'"model"', b'"parameters"', b'"channels"'))
+#: What a file has beside the arrays of the model.
+ABOUT = ("format", "model", "units", "grid")
+#: A fit of more bytes than the largest table, MERL's in double precision, is none.
+MOST_BYTES = 8 * 3 * MERL.size
+AGAIN = "make it again with npfm fit"
 
 
 @dataclass(frozen=True)
@@ -148,25 +156,97 @@ def save(path: str | Path, fit: Fit) -> None:
 def load(path: str | Path) -> Fit:
     """Read the parameters of a fit.
 
+    Returns
+    -------
+    Fit
+        Asking its parameters for an array that the file lacks raises `NpfmError`.
+
     Raises
     ------
     NpfmError
-        If the file is absent or is not a fit.
+        If the file is absent, is not a fit or damaged, or an array holds no finite numbers or has
+        no axis of the channels.
+    """
+    arrays = read_arrays(path, "a fit", AGAIN, MOST_BYTES)
+    if str(arrays.get("format", "")) != FORMAT:
+        raise NpfmError(f"{path}: not a fit of format {FORMAT}; {AGAIN}")
+    if missing := [name for name in ABOUT if name not in arrays]:
+        raise NpfmError(f"{path}: a fit without {', '.join(missing)}; {AGAIN}")
+    about = {name: arrays.pop(name) for name in ABOUT}
+    kind = str(arrays.pop("grid_kind", HalfDifference.kind))
+    if (units := str(about["units"])) != UNITS:
+        raise NpfmError(f"{path}: the units are '{units}', not '{UNITS}'; {AGAIN}")
+    for name, array in arrays.items():
+        _check_parameter(path, name, array)
+    return Fit(str(about["model"]), _Parameters(path, arrays), _grid(path, kind, about["grid"]))
+
+
+def tabulate(path: str | Path, fit: Fit, model: ModuleType) -> Table:
+    """Values of a fit out of a file, which is named if its arrays are not those of the model.
+
+    Parameters
+    ----------
+    path : str or Path
+        Where the fit was read.
+    fit : Fit
+        The fit.
+    model : module
+        The module of its model.
+
+    Raises
+    ------
+    NpfmError
+        If an array is missing or has another shape.
     """
     try:
-        # A zip and nothing else: np.load would also take single arrays and pickles.
-        with open(path, "rb") as file, zipfile.ZipFile(file), np.load(file) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+        counted = inspect.signature(model.parameter_count).parameters
+        # Where a setting of the model counts, the number of values says nothing.
+        if len(counted) == 1 and fit.parameter_count != (count := model.parameter_count(fit.grid)):
+            raise ValueError(f"{fit.parameter_count} values, not {count}")
+        return model.tabulate(fit)
+    except (LookupError, ValueError, TypeError) as error:
+        there = ", ".join(f"{name} {array.shape}" for name, array in fit.parameters.items())
+        reason = " ".join(str(error).split())
         raise NpfmError(
-            f"{path}: cannot be read as a fit ({error}); make it with npfm fit"
+            f"{path}: its arrays ({there}) are not those of {fit.model} ({reason}); {AGAIN}"
         ) from error
-    if str(arrays.pop("format", "")) != FORMAT:
-        raise NpfmError(f"{path}: not a fit of format {FORMAT}; make it again with npfm fit")
-    arrays.pop("units")
-    kind = str(arrays.pop("grid_kind", HalfDifference.kind))
-    grid = grids.named(kind, arrays.pop("grid"))
-    return Fit(str(arrays.pop("model")), arrays, grid)
+
+
+class _Parameters(dict[str, NDArray[np.float32]]):
+    """Arrays of a file, which is named when one is asked for that it lacks."""
+
+    def __init__(self, path: str | Path, arrays: dict[str, NDArray]) -> None:
+        super().__init__(arrays)
+        self.path = path
+
+    def __missing__(self, name: str) -> NDArray:
+        there = ", ".join(sorted(self)) or "no array"
+        raise NpfmError(f"{self.path}: a fit without the array '{name}', it has {there}; {AGAIN}")
+
+
+def _grid(path: str | Path, kind: str, bins: NDArray) -> grids.Grid:
+    if bins.ndim != 1 or bins.dtype.kind not in "iu" or not bins.size or (bins < 1).any():
+        raise NpfmError(f"{path}: the grid is {bins}, not numbers of bins; {AGAIN}")
+    # No table has more cells than MERL's, and one that has would not fit into memory.
+    odd = kind == HalfDifference.kind and bins[-1] % 2
+    if math.prod(bins.tolist()) > MERL.size or odd:
+        raise NpfmError(f"{path}: no table is on a grid of {bins} bins; {AGAIN}")
+    try:
+        return grids.named(kind, bins.tolist())
+    except (NpfmError, TypeError, ValueError) as error:
+        raise NpfmError(f"{path}: the grid cannot be made ({error}); {AGAIN}") from error
+
+
+def _check_parameter(path: str | Path, name: str, array: NDArray) -> None:
+    if array.dtype != np.float32:
+        raise NpfmError(f"{path}: {name} is of type {array.dtype}, not float32; {AGAIN}")
+    if array.ndim == 0 or array.size == 0 or array.shape[0] not in (1, len(CHANNELS)):
+        raise NpfmError(
+            f"{path}: {name} is of shape {array.shape}, whose first axis is not that of the "
+            f"{len(CHANNELS)} channels; {AGAIN}"
+        )
+    if not np.isfinite(array).all():
+        raise NpfmError(f"{path}: {name} holds a NaN or an infinity; {AGAIN}")
 
 
 def load_record(path: str | Path) -> dict:
@@ -180,11 +260,12 @@ def load_record(path: str | Path) -> dict:
     try:
         record = json.loads(record_path(path).read_text())
         channels = tuple(_channel(channel) for channel in record["channels"])
-        return record | {"channels": channels}
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        known = {key: record[key] for key in ("model", "parameters", "bytes")}
+        return record | known | {"channels": channels}
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        reason = " ".join(str(error).split())
         raise NpfmError(
-            f"{record_path(path)}: cannot be read as the record of a fit ({error}); "
-            "make it again with npfm fit"
+            f"{record_path(path)}: cannot be read as the record of a fit ({reason}); {AGAIN}"
         ) from error
 
 

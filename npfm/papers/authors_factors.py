@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.reflectance.half_difference import HalfDifference
+from npfm.storage.archives import read_arrays
 
 Array = NDArray[np.float64]
 
@@ -17,6 +18,8 @@ SHAPES = dict.fromkeys(("D", "G", "F"), (90, 3)) | dict.fromkeys(("rho_d", "rho_
 #: are those of a bin. The file does not say; of three readings it is the one that the measured
 #: values support (docs/reproduction.md).
 G_THETA = np.deg2rad(np.arange(90.0))
+#: The factors of 10 000 materials in double precision, with their names, are no more.
+MOST_BYTES = 2**26
 
 
 def read(path: str | Path) -> dict[str, Mapping[str, Array]]:
@@ -39,18 +42,11 @@ def read(path: str | Path) -> dict[str, Mapping[str, Array]]:
     NpfmError
         If the file is absent or holds something else.
     """
-    try:
-        with np.load(path) as archive:
-            names = [str(name) for name in archive["names"]]
-            factors = {name: np.array(archive[name], dtype=float) for name in SHAPES}
-    except (OSError, ValueError, KeyError, EOFError) as error:
-        raise NpfmError(f"{path}: cannot be read as published factors ({error})") from error
-    for name, array in factors.items():
-        if array.shape != (len(names), *SHAPES[name]):
-            raise NpfmError(
-                f"{path}: {name} is of shape {array.shape}, not {(len(names), *SHAPES[name])}; "
-                "see docs/data.md"
-            )
+    arrays = read_arrays(path, "published factors", "see docs/data.md", MOST_BYTES)
+    if missing := sorted({"names", *SHAPES} - set(arrays)):
+        raise NpfmError(f"{path}: lacks {', '.join(missing)}; see docs/data.md")
+    names = _names(path, arrays["names"])
+    factors = {name: _checked(path, name, arrays[name], len(names)) for name in SHAPES}
     for name in ("rho_d", "rho_s"):
         factors[name] /= np.pi
     factors["G"][:, 0] = factors["F"][:, 0] = np.nan
@@ -58,6 +54,29 @@ def read(path: str | Path) -> dict[str, Mapping[str, Array]]:
         material: {name: array[k].T for name, array in factors.items()}
         for k, material in enumerate(names)
     }
+
+
+def _names(path: str | Path, names: NDArray) -> list[str]:
+    if names.ndim != 1 or names.dtype.kind != "U" or len(set(names)) != names.size:
+        raise NpfmError(f"{path}: names is not a list of different texts; see docs/data.md")
+    return [str(name) for name in names]
+
+
+def _checked(path: str | Path, name: str, array: NDArray, count: int) -> Array:
+    expected = (count, *SHAPES[name])
+    if array.shape != expected:
+        raise NpfmError(
+            f"{path}: {name} is of shape {array.shape}, not {expected}; see docs/data.md"
+        )
+    if array.dtype.kind not in "fiu":
+        raise NpfmError(f"{path}: {name} does not hold numbers; see docs/data.md")
+    seen = array[:, 1:] if name in ("G", "F") else array  # No sample has touched the first.
+    if not np.isfinite(seen).all() or (seen < 0).any():
+        raise NpfmError(
+            f"{path}: {name} holds a NaN, an infinity or a negative value; take the file again "
+            "from where it was published"
+        )
+    return array.astype(float)
 
 
 def tabulate_channel(

@@ -8,12 +8,28 @@ from npfm.errors import NpfmError
 from npfm.reflectance.half_difference import MERL
 from npfm.reflectance.table import CHANNELS, Table
 from npfm.storage.files import Kind, replacing
+from npfm.storage.lookalikes import mistaken
 
 #: What a stored value is multiplied with to give a BRDF in 1/sr, for red, green and blue
 #: (BRDFRead.cpp, distributed with the MERL database).
 CHANNEL_SCALE = np.array([1.00, 1.15, 1.66]) / 1500.0
 HEADER_BYTES = 12
 FILE_BYTES = HEADER_BYTES + 8 * 3 * MERL.size  # 34 992 012
+#: Tables without reciprocity, such as those of Lavoue et al. 2021, "Perceptual quality of BRDF
+#: approximations": phi_d runs over 360 degrees.
+TWICE_PHI_D = (90, 90, 360)
+#: What a right header before so many bytes for each cell of the grid means, and what to do.
+OTHER_VALUES = {
+    3 * 4: "float32 values; write them as float64 after the same header",
+    1 * 8: "one channel; write it three times, as red, green and blue",
+    1 * 4: "one channel of float32 values; write it three times as float64",
+    4 * 8: "four channels; leave out all but red, green and blue",
+}
+#: What so many bytes are without a header, and what to do.
+HEADLESS = {
+    FILE_BYTES - HEADER_BYTES: "but as many as its values; put the int32 90, 90, 180 before them",
+    8 * 3 * 288**2: "as many as a file of the UTIA database (.bin); convert it to the MERL grid",
+}
 
 
 def read_binary(path: str | Path) -> Table:
@@ -37,7 +53,7 @@ def read_binary(path: str | Path) -> Table:
     """
     path = Path(path)
     check_header(path)
-    stored = np.fromfile(path, dtype="<f8", offset=HEADER_BYTES)
+    stored = np.fromfile(path, dtype="<f8", offset=HEADER_BYTES, count=3 * MERL.size)
     stored = stored.reshape(3, *MERL.shape)
     if not np.isfinite(stored).all():
         count = stored.size - np.count_nonzero(np.isfinite(stored))
@@ -60,24 +76,51 @@ def check_header(path: str | Path) -> None:
     Raises
     ------
     NpfmError
-        If the file is absent, or its size or its header are not MERL's.
+        If the file is absent, or its size or its header are not MERL's; with what it looks like.
     """
     path = Path(path)
-    if not path.is_file():
+    if not path.exists():
         raise NpfmError(f"{path}: no such file; give the path of a MERL .binary file")
+    if other := mistaken(path, "a MERL .binary file"):
+        raise NpfmError(f"{path}: {other}")
     size = path.stat().st_size
-    dimensions = tuple(np.fromfile(path, dtype="<i4", count=3)) if size >= HEADER_BYTES else ()
-    if size >= HEADER_BYTES and dimensions != MERL.shape:
-        found = " x ".join(str(n) for n in dimensions)
-        raise NpfmError(
-            f"{path}: the header says {found}, a MERL file says 90 x 90 x 180; "
+    if fault := _fault(path, size):
+        raise NpfmError(f"{path}: {fault}")
+
+
+def _fault(path: Path, size: int) -> str:
+    """What is wrong with a file, and what to do; nothing if size and header are MERL's."""
+    if size in HEADLESS:
+        return f"{size} bytes without MERL's header, {HEADLESS[size]}"
+    if size < HEADER_BYTES:
+        return _damaged(size)
+    dimensions = tuple(int(n) for n in np.fromfile(path, dtype="<i4", count=3))
+    swapped = tuple(int(n) for n in np.array(dimensions, "<i4").view(">i4"))
+    found = " x ".join(map(str, dimensions))
+    if swapped == MERL.shape:
+        return (
+            "the header is in the other byte order (big-endian); swap the bytes of its three "
+            "int32 and of all float64 after them, and run again"
+        )
+    if dimensions == TWICE_PHI_D:
+        return (
+            f"the header says {found}: phi_d over 360 degrees, light and view told apart; "
+            "average the entries k and k + 180 of phi_d to get MERL's 90 x 90 x 180"
+        )
+    if dimensions != MERL.shape:
+        return (
+            f"the header says {found}, a MERL file says 90 x 90 x 180; "
             "convert the table to the MERL grid"
         )
-    if size != FILE_BYTES:
-        raise NpfmError(
-            f"{path}: {size} bytes, a MERL file has {FILE_BYTES}; "
-            "the file is cut off or damaged, copy or download it again"
-        )
+    bytes_a_cell, rest = divmod(size - HEADER_BYTES, MERL.size)
+    if not rest and (other := OTHER_VALUES.get(bytes_a_cell)):
+        return f"{size} bytes: it looks like {other}, a MERL file has {FILE_BYTES}"
+    return "" if size == FILE_BYTES else _damaged(size)
+
+
+def _damaged(size: int) -> str:
+    why = "is cut off or damaged" if size < FILE_BYTES else "has bytes after its end"
+    return f"{size} bytes, a MERL file has {FILE_BYTES}; the file {why}, copy or download it again"
 
 
 def _is_table(path: Path) -> bool:

@@ -1,43 +1,9 @@
-"""Meshes for scenes: read from a file, or the figure that the project makes itself."""
-
-from pathlib import Path
+"""Meshes for scenes: the figure that the project makes itself, and how any mesh is stood up."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.errors import NpfmError
 from npfm.rendering.geometry import Mesh
-
-
-def load_mesh(path: str | Path) -> Mesh:
-    """Read a triangle mesh, with normals averaged over the faces around a vertex.
-
-    Parameters
-    ----------
-    path : str or Path
-        PLY, or another format that trimesh reads.
-
-    Raises
-    ------
-    NpfmError
-        If the file is absent, cannot be read as a mesh, or has no faces.
-    """
-    import trimesh
-
-    path = Path(path)
-    if not path.is_file():
-        raise NpfmError(f"{path}: no such file; give the path of a PLY mesh")
-    try:
-        mesh = trimesh.load(path, process=False)
-    # A reader meets whatever the file holds with whatever exception comes up.
-    except Exception as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise NpfmError(f"{path}: not a readable mesh ({reason}); export it as PLY") from error
-    if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
-        raise NpfmError(f"{path}: a mesh without faces; export it with its triangles")
-    if not np.isfinite(mesh.vertices).all():
-        raise NpfmError(f"{path}: vertices are NaN or infinite; export the mesh again")
-    return Mesh(np.array(mesh.vertices), np.array(mesh.faces), np.array(mesh.vertex_normals))
 
 
 def standing(mesh: Mesh, height: float, width: float, foot: tuple[float, float, float]) -> Mesh:
@@ -46,7 +12,7 @@ def standing(mesh: Mesh, height: float, width: float, foot: tuple[float, float, 
     Parameters
     ----------
     mesh : Mesh
-        With y up.
+        With y up, and no vertex that no face uses.
     height, width : float
         The largest extent allowed along y, and along x and z; one of them is reached.
     foot : tuple of float
@@ -54,7 +20,7 @@ def standing(mesh: Mesh, height: float, width: float, foot: tuple[float, float, 
     """
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     extent = high - low
-    scale = min(height / extent[1], width / max(extent[0], extent[2]))
+    scale = 1 / max(extent[1] / height, extent[0] / width, extent[2] / width)
     middle = np.array([(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2])
     return Mesh((mesh.vertices - middle) * scale + foot, mesh.faces, mesh.normals)
 

@@ -93,7 +93,7 @@ def place(scene: Scene) -> tuple[Shape, ...]:
 
 
 def _figure(path: Path | None, x: float) -> Shape:
-    from npfm.rendering import meshes
+    from npfm.rendering import mesh_files, meshes
 
-    mesh = meshes.figure() if path is None else meshes.load_mesh(path)
+    mesh = meshes.figure() if path is None else mesh_files.load_mesh(path)
     return meshes.standing(mesh, height=2.0, width=0.95, foot=(x, -1.0, 0.0))

@@ -68,6 +68,7 @@ def missing_fits(
         if variant.published:
             file = FitFile(**registry.declared(variant.model).published)
             there = parameter_files.read(variant.published, file)
+            parameter_files.check_names(variant.published, there, materials)
             absent = {(variant.name, name) for name in materials if name not in there}
             if len(absent) == len(materials):
                 raise NpfmError(

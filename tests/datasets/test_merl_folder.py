@@ -1,5 +1,6 @@
 import hashlib
 import threading
+from contextlib import suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import numpy as np
@@ -20,6 +21,8 @@ class Server(ThreadingHTTPServer):
         super().__init__(("127.0.0.1", 0), Handler)
         self.answers = answers
         self.paths = []
+        self.headers = []
+        self.sent = 0
 
     @property
     def template(self):
@@ -36,8 +39,13 @@ class Handler(BaseHTTPRequestHandler):
         self.send_response(status)
         if announced is not None:
             self.send_header("Content-Length", str(announced))
+        for header in self.server.headers:
+            self.send_header(*header)
         self.end_headers()
-        self.wfile.write(body)
+        with suppress(ConnectionError):  # whoever asked has enough
+            for begin in range(0, len(body), 2**20):
+                self.wfile.write(body[begin : begin + 2**20])
+                self.server.sent += min(2**20, len(body) - begin)
 
     def log_message(self, *args):
         """Keep quiet."""
@@ -48,6 +56,8 @@ CUT_OFF = (200, len(WHOLE), WHOLE[:1000])
 CUT_OFF_UNANNOUNCED = (200, None, WHOLE[:1000])
 WRONG_SIZE = (200, 1000, WHOLE[:1000])
 NO_MERL_FILE = (200, 9, b"<html><p>")
+TOO_LONG = (200, len(WHOLE) + 1, b"")
+ENDLESS = (200, None, WHOLE + bytes(2**26))
 NOT_FOUND = (404, 0, b"")
 UNAVAILABLE = (503, 0, b"")
 
@@ -100,7 +110,9 @@ def test_a_missing_file_arrives_whole_with_its_checksum(serve, tmp_path, answers
         (CUT_OFF, 3, "download failed 3 times.*IncompleteRead.*check the connection"),
         (CUT_OFF_UNANNOUNCED, 3, "download failed 3 times.*: 1000 bytes, a MERL file has 34992012"),
         (WRONG_SIZE, 3, "download failed 3 times.*: 1000 bytes, a MERL file has 34992012"),
-        (NO_MERL_FILE, 3, "download failed 3 times.*: 9 bytes, a MERL file has 34992012"),
+        (NO_MERL_FILE, 3, "download failed 3 times.*: looks like an HTML page, not a MERL"),
+        (TOO_LONG, 1, f"the server announces {len(WHOLE) + 1} bytes, a MERL.*check the download"),
+        (ENDLESS, 1, "more than the 34992012 bytes of a MERL file arrive; check the download"),
     ],
 )
 def test_a_download_that_fails_leaves_nothing_and_says_why(
@@ -113,6 +125,23 @@ def test_a_download_that_fails_leaves_nothing_and_says_why(
     assert "\n" not in str(caught.value)
     assert str(tmp_path) not in str(caught.value)
     assert len(server.paths) == requests
+    assert contents(tmp_path) == []
+
+
+def test_no_more_is_taken_than_the_format_has(serve, tmp_path):
+    server = serve(ENDLESS)
+    with pytest.raises(NpfmError, match="more than the 34992012 bytes"):
+        merl_folder.download(server.template, "chrome", tmp_path)
+    # The rest is what fits into the buffers of the connection.
+    assert server.sent < len(WHOLE) + 2**24
+    assert contents(tmp_path) == []
+
+
+def test_what_a_server_has_packed_is_refused(serve, tmp_path):
+    server = serve((200, 3, b"abc"))
+    server.headers.append(("Content-Encoding", "gzip"))
+    with pytest.raises(NpfmError, match=r"the server sends it packed \(gzip\)"):
+        merl_folder.download(server.template, "chrome", tmp_path)
     assert contents(tmp_path) == []
 
 
@@ -143,6 +172,12 @@ def test_materials_are_the_finished_binary_files(tmp_path):
     for name in ("pvc.binary", "chrome.binary", ".nylon.0123.binary", "pvc.binary.sha256", "a.txt"):
         (tmp_path / name).touch()
     assert merl_folder.materials(tmp_path) == ["chrome", "pvc"]
+
+
+def test_a_material_is_not_missed_for_its_suffix(tmp_path):
+    (tmp_path / "chrome.BINARY").touch()
+    with pytest.raises(NpfmError, match=r"chrome\.BINARY: rename it to chrome\.binary"):
+        merl_folder.materials(tmp_path)
 
 
 def test_an_absent_folder_is_named(tmp_path):

@@ -106,7 +106,7 @@ def test_an_absent_archive_is_named(tmp_path):
 def test_a_file_that_is_no_zip_is_named(tmp_path):
     path = tmp_path / "page.zip"
     path.write_text("<html>not found</html>")
-    with pytest.raises(NpfmError, match=r"page\.zip: cannot be read as a zip"):
+    with pytest.raises(NpfmError, match=r"page\.zip: looks like an HTML page, not the zip"):
         neural.materials(path)
 
 
@@ -121,7 +121,7 @@ def test_a_zip_without_networks_is_named(tmp_path):
     [
         (b"no hdf5", "not a Keras file"),
         (keras_file({"dense_1": (6, 21), "dense_2": (21, 3)}), "not a Keras file"),
-        (keras_file(neural.LAYERS | {"dense_1": (9, 21)}), "the layers are 9x21, 21x21, 21x3"),
+        (keras_file(neural.LAYERS | {"dense_1": (9, 21)}), r".*the kernel of dense_1 is \(9, 21\)"),
     ],
 )
 def test_other_layers_than_the_published_are_refused(tmp_path, content, reason):
@@ -129,3 +129,119 @@ def test_other_layers_than_the_published_are_refused(tmp_path, content, reason):
     with pytest.raises(NpfmError, match=rf"networks\.zip: a/odd\.h5: {reason}") as caught:
         neural.load(path, "odd")
     assert "\n" not in str(caught.value)
+
+
+def test_a_network_needs_no_json_and_no_neat_archive(tmp_path):
+    """A zip made by hand: folders, what macOS adds, other cases, and backslashes of Windows."""
+    content = keras_file(neural.LAYERS)
+    members = {
+        "a/": b"",
+        "a.h5/": b"",
+        "__MACOSX/a/._felt.h5": b"x",
+        "a/Felt.H5": content,
+        "a\\silk.h5": content,
+    }
+    path = zip_of(tmp_path / "own.zip", members)
+    assert neural.materials(path) == ["Felt", "silk"]
+    assert np.array_equal(neural.load(path, "silk").values, neural.load(path, "Felt").values)
+
+
+def test_two_networks_of_one_name_are_not_silently_one(tmp_path):
+    path = zip_of(tmp_path / "two.zip", {"a/felt.h5": b"1", "b/felt.h5": b"2"})
+    with pytest.raises(NpfmError, match=r"two networks of a material 'felt', a/felt\.h5 and b/"):
+        neural.materials(path)
+
+
+def damaged(content):
+    """The network's bytes with those of the data in its middle overwritten."""
+    return content[:900] + bytes(1000) + content[1900:]
+
+
+def with_layer(name, value):
+    content = io.BytesIO(keras_file(neural.LAYERS))
+    with h5py.File(content, "r+") as file:
+        del file[name]
+        if value is not None:
+            file[name] = value
+    return content.getvalue()
+
+
+KERNEL = "dense_2/dense_2/kernel:0"
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        keras_file(neural.LAYERS)[:5000],
+        damaged(keras_file(neural.LAYERS)),
+        with_layer(KERNEL, None),
+        with_layer(KERNEL, np.full((21, 21), np.nan)),
+        with_layer(KERNEL, np.ones((21, 21), dtype=int)),
+        with_layer(KERNEL, np.full((21, 21), b"x")),
+        with_layer("dense_2", 1.0),
+        with_layer("dense_3/dense_3/bias:0", np.ones(4)),
+    ],
+    ids=["empty", "cut", "damaged", "absent", "nan", "int", "text", "no group", "bias"],
+)
+def test_a_damaged_network_is_told_in_one_line(tmp_path, content):
+    path = zip_of(tmp_path / "networks.zip", {"a/odd.h5": content, "a/odd.json": "{}"})
+    with pytest.raises(NpfmError, match=r"networks\.zip: a/odd\.h5: not a Keras file") as caught:
+        neural.load(path, "odd")
+    assert "\n" not in str(caught.value)
+
+
+def test_reflectances_without_end_are_refused(tmp_path):
+    content = with_layer("dense_3/dense_3/bias:0", np.full(3, 1e30))
+    path = zip_of(tmp_path / "networks.zip", {"a/odd.h5": content})
+    with pytest.raises(NpfmError, match=r"odd\.h5: it gives reflectances that are not finite"):
+        neural.load(path, "odd")
+
+
+def test_a_member_is_not_unpacked_beyond_what_a_network_needs(tmp_path):
+    path = tmp_path / "bomb.zip"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("a/bomb.h5", bytes(2**26))
+    assert path.stat().st_size < 2**17
+    with pytest.raises(NpfmError, match=r"a/bomb\.h5 unpacks to 67108864 bytes"):
+        neural.load(path, "bomb")
+
+
+def test_a_dataset_is_not_read_beyond_what_a_network_needs(tmp_path, monkeypatch):
+    content = io.BytesIO(keras_file(neural.LAYERS))
+    with h5py.File(content, "r+") as file:
+        del file[KERNEL]
+        # A terabyte on paper, nothing on disk.
+        file.create_dataset(KERNEL, (2**19, 2**19), "f4", chunks=(64, 64))
+    path = zip_of(tmp_path / "networks.zip", {"a/odd.h5": content.getvalue()})
+    with pytest.raises(NpfmError, match=r"the kernel of dense_2 is \(524288, 524288\)"):
+        neural.load(path, "odd")
+
+
+def test_a_damaged_or_encrypted_member_is_told(tmp_path):
+    content = keras_file(neural.LAYERS)
+    path = zip_of(tmp_path / "networks.zip", {"a/odd.h5": content})
+    whole = path.read_bytes()
+    begin = whole.index(content)
+    path.write_bytes(whole[: begin + 50] + b"damage" + whole[begin + 56 :])
+    with pytest.raises(NpfmError, match=r"a/odd\.h5 is damaged or encrypted: Bad CRC-32"):
+        neural.load(path, "odd")
+    path.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(NpfmError, match=r"networks\.zip: cannot be read as the zip of the neural"):
+        neural.load(path, "odd")
+    encrypted = bytearray(whole)
+    encrypted[6] |= 1
+    encrypted[whole.index(b"PK\x01\x02") + 8] |= 1
+    path.write_bytes(encrypted)
+    with pytest.raises(NpfmError, match=r"a/odd\.h5 is damaged or encrypted: .*encrypted"):
+        neural.load(path, "odd")
+
+
+def test_deflated_bytes_that_are_damaged_are_told(tmp_path):
+    path = tmp_path / "networks.zip"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("odd.h5", keras_file(neural.LAYERS))
+    whole = path.read_bytes()
+    path.write_bytes(whole[:100] + b"\xff" * 40 + whole[140:])
+    with pytest.raises(NpfmError, match=r"odd\.h5 is damaged or encrypted"):
+        neural.load(path, "odd")

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from npfm.datasets.parameter_files import DIFFUSE, FitFile, read
+from npfm.datasets.names import MERL_NAMES
+from npfm.datasets.parameter_files import DIFFUSE, FitFile, check_names, read
 from npfm.errors import NpfmError
 from npfm.fitting import registry
 
@@ -51,6 +52,10 @@ def test_a_line_a_material(tmp_path):
         ("[1, 2, 3]", "[1, 2]", "3 finite numbers are expected"),
         ("[1, 2, 3]", "[1, [2], 3]", "3 finite numbers are expected"),
         ("0.5", "1e999", "1 finite numbers are expected"),
+        ("0.5", "1" + 400 * "0", "1 finite numbers are expected"),
+        ("0.5", "{1: 2}", "1 finite numbers are expected"),
+        ("eta = 0.5", "**{'eta': 0.5}", "not of the form"),
+        ("))", "), weight = [1])", "not of the form"),
         ("0.5", "'0,5'", "1 finite numbers are expected"),
         ("b = Agg", "a = Agg", "'a' is in line 2 already"),
     ],
@@ -69,7 +74,7 @@ def test_a_bad_line_is_told_with_file_and_line(tmp_path, old, new, said):
 
 @pytest.mark.parametrize(
     ("content", "said"),
-    [(None, "no such file"), (b"# none\n", "no material"), (b"\xff", "no text")],
+    [(None, "no such file"), (b"# none\n", "no material"), (b"a\0", "no text")],
 )
 def test_a_file_without_a_material_says_where_to_get_one(tmp_path, content, said):
     path = tmp_path / FILE.name
@@ -89,3 +94,82 @@ def test_the_published_files_are_read_whole(data, variant, count):
     assert len(found) == count
     assert all((values[DIFFUSE] >= 0).all() for values in found.values())
     assert not any(np.isnan(value).any() for p in found.values() for value in p.values())
+
+
+@pytest.mark.parametrize(
+    "encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le-bom", "utf-16-be-bom"]
+)
+@pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
+def test_the_first_material_is_there_whatever_the_file_begins_with(tmp_path, encoding, ending):
+    text = (LINE.format(name="a") + LINE.format(name="b")).replace("\n", ending)
+    path = tmp_path / FILE.name
+    if encoding.endswith("-bom"):
+        text, encoding = "\ufeff" + text, encoding.removesuffix("-bom")
+    path.write_bytes(text.encode(encoding))
+    assert list(read(path, FILE)) == ["a", "b"]
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (
+            "# Löw\n".encode("latin-1") + LINE.encode(),
+            r"line 1: no text in UTF-8.*save it as UTF-8",
+        ),
+        ((LINE + "# Löw\n").encode("latin-1"), "line 2: no text in UTF-8"),
+        (LINE.encode("utf-16-le"), "no text, it holds zero bytes"),
+        (("\ufeff" + LINE).encode("utf-16-le") + b"x", "no text in UTF-8|truncated"),
+        (b"<html><body>Not found", "looks like an HTML page, not a .fit file"),
+        (b"version https://git-lfs.example/spec/v1\n", "a git-lfs pointer"),
+        (b"", "is an empty file"),
+    ],
+)
+def test_what_is_no_text_of_lines_is_told(tmp_path, content, said):
+    path = tmp_path / FILE.name
+    path.write_bytes(content)
+    with pytest.raises(NpfmError, match=said) as caught:
+        read(path, FILE)
+    assert str(caught.value).startswith(str(path))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_folder_and_a_huge_file_are_told(tmp_path):
+    with pytest.raises(NpfmError, match=r"is a folder, not a \.fit file"):
+        read(tmp_path, FILE)
+    with open(tmp_path / "huge.fit", "wb") as file:
+        file.write(b"# ")
+        file.truncate(2**24 + 1)
+    with pytest.raises(NpfmError, match=r"huge\.fit: more than 16777216 bytes"):
+        read(tmp_path / "huge.fit", FILE)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Blue-Acrylic",
+        "blue_acrylic",
+        "blue acrylic",
+        "blue\N{EN DASH}acrylic",
+        "\ufeffblue-acrylic",
+        "blue-acryllic",
+        "blu-acrylic",
+        "blue-acrylic.binary",
+    ],
+)
+def test_a_material_does_not_vanish_for_its_spelling(name):
+    with pytest.raises(NpfmError, match=r"x\.fit: has no 'blue-acrylic' but '.*correct the name"):
+        check_names("x.fit", [name, "pvc"], ["blue-acrylic", "pvc"])
+
+
+def test_files_may_lack_materials_and_have_others():
+    check_names("x.fit", ["blue-acrylic", "pvc", "my-own"], ["pvc"])
+    # Names that are nearly alike, but each that of a material.
+    check_names("x.fit", ["pink-fabric"], ["pink-fabric", "pink-fabric2"])
+    check_names("x.fit", ["my-felt-1"], ["my-felt-1", "my-felt-2"])
+
+
+def test_the_published_files_miss_no_material_for_its_spelling(data):
+    for variant in ("abc-published", "shifted-gamma-published", "cook-torrance-published"):
+        file = FitFile(**registry.declared(variant).published)
+        found = read(data / "published_fits" / file.name, file)
+        check_names(file.name, found, MERL_NAMES)

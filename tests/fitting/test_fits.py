@@ -1,7 +1,9 @@
 """Fit files: whole, self-explaining, byte for byte the same."""
 
+import io
 import json
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ import pytest
 from npfm.errors import NpfmError
 from npfm.fitting import fits
 from npfm.fitting.fits import ChannelRecord, Fit, Trace
+from npfm.models import bivariate, low_rank_b, naive
 from npfm.reflectance.half_difference import HalfDifference
 
 
@@ -144,3 +147,132 @@ def test_a_missing_record_is_told_in_one_line(tmp_path, fit):
     (tmp_path / "a.json").unlink()
     with pytest.raises(NpfmError, match=r"a\.json"):
         fits.load_record(tmp_path / "a.npz")
+
+
+def contents(fit, **changes):
+    """The arrays of a fit's file, changed; None leaves one out."""
+    about = {"format": fits.FORMAT, "model": fit.model, "units": fits.UNITS}
+    arrays = about | {"grid": np.array(fit.grid.shape)} | fit.parameters | changes
+    return {name: array for name, array in arrays.items() if array is not None}
+
+
+def ones(*shape, dtype="f4"):
+    return np.ones(shape, dtype=dtype)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"units": None}, "a fit without units"),
+        ({"model": None, "grid": None}, "a fit without model, grid"),
+        ({"units": "BRDF in steradians"}, "the units are 'BRDF in steradians', not"),
+        ({"grid": np.array([4, 5])}, "not numbers of bins"),
+        ({"grid": np.array([4.0, 5.0, 6.0])}, "not numbers of bins"),
+        ({"grid": np.array([4, 0, 6])}, "not numbers of bins"),
+        ({"grid": np.array(["a", "b", "c"])}, "not numbers of bins"),
+        ({"grid": np.array([2**40, 2**40, 2**40])}, "no table is on a grid of"),
+        ({"grid": np.array([4, 5, 7])}, "no table is on a grid of"),
+        ({"B": ones(3, 4, 5, dtype="f8")}, "B is of type float64, not float32"),
+        ({"B": np.array(["a", "b", "c"])}, "B is of type <U1"),
+        ({"B": ones(2, 4, 5)}, r"B is of shape \(2, 4, 5\), whose first axis is not"),
+        ({"B": ones()}, r"B is of shape \(\)"),
+        ({"B": ones(3, 0)}, r"B is of shape \(3, 0\)"),
+        ({"B": ones(3, 4, 5) * np.float32(np.nan)}, "B holds a NaN or an infinity"),
+        ({"B": np.array([None, 1, 2])}, r"B\.npy holds objects or records"),
+        ({"B": np.zeros(3, dtype=[("a", "f4")])}, r"B\.npy holds objects or records"),
+    ],
+)
+def test_what_a_fit_lacks_or_has_wrong_is_told_in_one_line(tmp_path, fit, changes, said):
+    path = tmp_path / "a.npz"
+    np.savez(path, **contents(fit, **changes))
+    with pytest.raises(NpfmError, match=rf"a\.npz: .*{said}") as error:
+        fits.load(path)
+    assert "\n" not in str(error.value)
+
+
+def test_a_pickle_is_never_run(tmp_path, fit):
+    class Trap:
+        def __reduce__(self):
+            return (Path.touch, (tmp_path / "ran",))
+
+    np.savez(tmp_path / "a.npz", **contents(fit, B=np.array([Trap()], dtype=object)))
+    with pytest.raises(NpfmError, match="holds objects"):
+        fits.load(tmp_path / "a.npz")
+    assert not (tmp_path / "ran").exists()
+
+
+def test_an_array_that_a_fit_lacks_is_named_when_it_is_asked_for(tmp_path, fit):
+    fits.save(tmp_path / "a.npz", fit)
+    with pytest.raises(NpfmError, match=r"a\.npz: a fit without the array 'D', it has B, rho_d"):
+        fits.load(tmp_path / "a.npz").parameters["D"]
+
+
+@pytest.mark.parametrize(
+    ("model", "changes"),
+    [
+        (bivariate, {"B": None}),
+        (bivariate, {"B": ones(3, 1, 1), "rho_d": None}),
+        (bivariate, {"B": ones(3, 4, 5), "rho_d": ones(3)}),
+        (bivariate, {"B": ones(1, 60), "rho_d": None}),
+        (naive, {"B": None}),
+        (low_rank_b, {"B": None}),
+        (low_rank_b, {"B": None, "U": ones(3, 4, 2), "V": ones(3, 5, 3), "G": ones(3, 90)}),
+    ],
+)
+def test_arrays_of_another_model_are_told_in_one_line(tmp_path, fit, model, changes):
+    path = tmp_path / "a.npz"
+    np.savez(path, **contents(fit, **changes))
+    with pytest.raises(NpfmError, match=r"a\.npz: its arrays \(.*\) are not those of") as error:
+        fits.tabulate(path, fits.load(path), model)
+    assert "\n" not in str(error.value)
+
+
+def test_a_fit_of_its_own_model_is_tabulated(tmp_path, fit):
+    path = tmp_path / "a.npz"
+    np.savez(path, **contents(fit, rho_d=None))
+    loaded = fits.load(path)
+    assert np.array_equal(
+        fits.tabulate(path, loaded, bivariate).values, bivariate.tabulate(loaded).values
+    )
+
+
+def test_no_more_is_unpacked_than_a_fit_can_have(tmp_path, fit, monkeypatch):
+    path = tmp_path / "a.npz"
+    np.savez_compressed(path, **contents(fit, B=np.zeros((3, 2**22), "f4")))
+    assert path.stat().st_size < 10**5
+    with pytest.raises(NpfmError, match=r"a\.npz: .*unpacks to \d+ bytes, 34992000 are the most"):
+        fits.load(path)
+
+
+def test_an_array_is_not_made_as_large_as_its_header_says(tmp_path, fit):
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(
+        header, {"descr": "<f4", "fortran_order": False, "shape": (3, 2**40)}
+    )
+    fits.save(tmp_path / "a.npz", fit)
+    with zipfile.ZipFile(tmp_path / "a.npz", "a") as archive:
+        archive.writestr("G.npy", header.getvalue() + bytes(64))
+    with pytest.raises(NpfmError, match=r"G\.npy has 64 bytes where its header declares 1319"):
+        fits.load(tmp_path / "a.npz")
+
+
+def test_a_fit_cut_off_anywhere_is_told_in_one_line(tmp_path, fit):
+    path = tmp_path / "a.npz"
+    fits.save(path, fit)
+    whole = path.read_bytes()
+    for size in range(0, len(whole), 53):
+        path.write_bytes(whole[:size])
+        with pytest.raises(NpfmError, match=r"a\.npz: ") as error:
+            fits.load(path)
+        assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", "{}", '{"channels": []}', "null", "[" * 100_000, '{"channels": [{"a": 1}]}']
+)
+def test_what_is_no_record_is_told_in_one_line(tmp_path, fit, text):
+    fits.save(tmp_path / "a.npz", fit)
+    (tmp_path / "a.json").write_text(text)
+    with pytest.raises(NpfmError, match=r"a\.json: cannot be read as the record") as error:
+        fits.load_record(tmp_path / "a.npz")
+    assert "\n" not in str(error.value)

@@ -100,7 +100,7 @@ def test_absent(tmp_path):
     assert "none.binary: no such file" in one_line(error)
 
 
-@pytest.mark.parametrize("size", [0, 5, 12, 34_992_011, 34_992_013])
+@pytest.mark.parametrize("size", [5, 12, 34_992_011, 34_992_013])
 def test_wrong_size(tmp_path, size):
     path = tmp_path / "cut.binary"
     with open(path, "wb") as file:
@@ -113,23 +113,66 @@ def test_wrong_size(tmp_path, size):
         assert "again" in one_line(error)
 
 
-def test_wrong_dimensions(tmp_path):
-    path = tmp_path / "full.binary"
+def of_size(path, head, size):
+    """A sparse file that begins with some bytes."""
     with open(path, "wb") as file:
-        file.write(struct.pack("<3i", 90, 90, 360))
-        file.truncate(12 + 2 * 8 * 3 * PLANE)
-    with pytest.raises(NpfmError) as error:
-        read_binary(path)
-    assert "full.binary: the header says 90 x 90 x 360" in one_line(error)
+        file.write(head)
+        file.truncate(size)
+    return path
 
 
-def test_big_endian_header(tmp_path):
-    path = tmp_path / "swapped.binary"
-    with open(path, "wb") as file:
-        file.write(struct.pack(">3i", 90, 90, 180))
-        file.truncate(merl.FILE_BYTES)
-    with pytest.raises(NpfmError, match="header"):
-        check_header(path)
+HEADER = struct.pack("<3i", 90, 90, 180)
+
+
+@pytest.mark.parametrize(
+    ("head", "size", "said"),
+    [
+        (b"", 0, "is an empty file, not a MERL .binary file; copy or download it again"),
+        (b"\xef\xbb\xbf \n<!DOCTYPE HTML>", 60, "looks like an HTML page"),
+        (b"version https://git-lfs.example/spec/v1", 130, "a git-lfs pointer.*git lfs pull"),
+        (b"\x1f\x8b\x08", 20_000_000, "looks like a gzip archive.*decompress it"),
+        (b"PK\x03\x04", 20_000_000, "looks like a zip archive.*unpack it"),
+        (b"tensor_file\0\x01", 658_960, r"a tensor file of the RGL database \(\.bsdf\)"),
+        (b"\x89HDF\r\n\x1a\n", 20_000, "looks like an HDF5 file"),
+        (b"\x93NUMPY\x01", merl.FILE_BYTES, r"a single NumPy array \(\.npy\)"),
+        (struct.pack(">3i", 90, 90, 180), merl.FILE_BYTES, r"other byte order.*swap the bytes"),
+        (struct.pack("<3i", 90, 90, 360), 2 * merl.FILE_BYTES - 12, "90 x 90 x 360: phi_d over"),
+        (struct.pack("<3i", 45, 45, 90), merl.FILE_BYTES // 8, "the header says 45 x 45 x 90"),
+        (struct.pack("<3i", -1, 2**31 - 1, 0), merl.FILE_BYTES, "the header says -1 x 2147483647"),
+        (HEADER, 12 + 8 * PLANE, "one channel; write it three times"),
+        (HEADER, 12 + 4 * PLANE, "one channel of float32 values"),
+        (HEADER, 12 + 12 * PLANE, "float32 values; write them as float64"),
+        (HEADER, 12 + 32 * PLANE, "four channels"),
+        (HEADER, 12 + 25 * PLANE, "the file has bytes after its end"),
+        (HEADER, 13 + 12 * PLANE, "the file is cut off or damaged"),
+        (struct.pack("<d", 0.5), 24 * PLANE, "without MERL's header.*put the int32 90, 90, 180"),
+        (struct.pack("<d", 0.5), 1_990_656, r"a file of the UTIA database \(\.bin\)"),
+    ],
+)
+def test_what_is_no_merl_file_is_told_what_it_looks_like(tmp_path, head, size, said):
+    path = of_size(tmp_path / "odd.binary", head, size)
+    for check in (read_binary, check_header):
+        with pytest.raises(NpfmError, match=rf"odd\.binary: .*{said}") as error:
+            check(path)
+        one_line(error)
+
+
+def test_the_other_byte_order_can_be_mended_as_the_message_says(tmp_path, hand_made):
+    content = hand_made.read_bytes()
+    swapped = np.frombuffer(content, "<i4", 3).astype(">i4").tobytes()
+    swapped += np.frombuffer(content, "<f8", offset=12).astype(">f8").tobytes()
+    (tmp_path / "big.binary").write_bytes(swapped)
+    with pytest.raises(NpfmError, match="big-endian"):
+        read_binary(tmp_path / "big.binary")
+    numbers = np.frombuffer(swapped, ">i4", 3).astype("<i4").tobytes()
+    values = np.frombuffer(swapped, ">f8", offset=12).astype("<f8").tobytes()
+    assert numbers + values == content
+
+
+def test_a_folder_is_not_taken_for_a_file(tmp_path):
+    with pytest.raises(NpfmError, match=r"is a folder, not a MERL \.binary file") as error:
+        read_binary(tmp_path)
+    one_line(error)
 
 
 @pytest.mark.parametrize(
