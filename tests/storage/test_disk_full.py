@@ -41,8 +41,9 @@ def write_scene(path):
     arrays = {
         name: np.arange(10.0) if name == "indptr" else np.arange(700.0)
         for name in transport.Transport.__dataclass_fields__
+        if name != "grid"
     }
-    transport.save(path, transport.Transport(**arrays))
+    transport.save(path, transport.Transport(**arrays, grid=MERL))
 
 
 WRITERS = {
