@@ -3,6 +3,7 @@
 import argparse
 
 from npfm.commands.numbers import positive
+from npfm.commands.outputs import output
 from npfm.errors import NpfmError
 from npfm.fitting import fits, registry
 
@@ -25,7 +26,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FACTOR",
         help="what slopes are multiplied by, and with them the roughness alpha",
     )
-    parser.add_argument("-o", "--output", required=True, help="fit to write (.npz)")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=output(fits.FIT, beside=fits.RECORD),
+        required=True,
+        help="fit to write (.npz)",
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:

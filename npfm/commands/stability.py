@@ -10,6 +10,7 @@ from itertools import product
 import pandas as pd
 
 from npfm.commands.numbers import whole
+from npfm.commands.outputs import output
 from npfm.evaluation import stability, tables
 from npfm.evaluation.hard_cases import CASES
 from npfm.fitting import registry
@@ -41,7 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     gather = kinds.add_parser("gather", help="join tables")
     gather.add_argument("tables", nargs="+", help="CSVs made by npfm stability fit")
     for kind in (fit, gather):
-        kind.add_argument("-o", "--output", required=True, help="CSV to write")
+        kind.add_argument(
+            "-o", "--output", type=output(tables.TABLE), required=True, help="CSV to write"
+        )
 
 
 def run(arguments: argparse.Namespace) -> None:

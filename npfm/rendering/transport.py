@@ -107,7 +107,9 @@ def _is_scene(path: Path) -> bool:
     if path.is_symlink() or not path.is_dir():
         return False
     names = {entry.name for entry in path.iterdir()}
-    return not names or names == {f"{name}.npy" for name in Transport.__dataclass_fields__}
+    needed = {f"{field.name}.npy" for field in fields(Transport) if field.name != "grid"}
+    # Matrices did not name the kind of their grid at first.
+    return not names or names - {"grid_kind.npy"} == needed | {"grid_shape.npy"}
 
 
 SCENE = Kind("a scene", "", _is_scene)

@@ -11,9 +11,10 @@ import pandas as pd
 import pytest
 
 from npfm.__main__ import VERBS, main
-from npfm.evaluation import tables
-from npfm.fitting import fits
+from npfm.evaluation import stability, tables
+from npfm.fitting import fits, registry
 from npfm.fitting.fits import Fit
+from npfm.fitting.objective import Objective
 from npfm.reflectance.half_difference import MERL
 
 #: A call of every verb; what follows is all that it writes.
@@ -21,6 +22,8 @@ CALLS = {
     "material": ("--synthetic chalk -o {out}/a.binary", "a.binary"),
     "material --merl chalk": ("--from {made}/brdfs -o {out}/a.binary", "a.binary"),
     "fit": ("{made}/chalk.binary --model bivariate -o {out}/a.npz", "a.npz", "a.json"),
+    "edit": ("{made}/ggx.npz --roughness 2 -o {out}/a.npz", "a.npz", "a.json"),
+    "stability gather": ("{made}/stability.csv -o {out}/a.csv", "a.csv"),
     "tabulate": ("{made}/chalk.npz -o {out}/a.binary", "a.binary"),
     "texture": ("{made}/fits/independent-g/chalk.npz -o {out}/a.exr", "a.exr"),
     "light": ("--generate grove --height 8 -o {out}/a.exr", "a.exr"),
@@ -57,7 +60,7 @@ def words(verb, folder, out):
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(tmp_path_factory, table):
     """What verbs read, in ``made``; what each has written from it, in folders of their own."""
     folder = tmp_path_factory.mktemp("outputs")
     made = folder / "made"
@@ -87,6 +90,9 @@ def folder(tmp_path_factory):
     variants = ["bivariate", "independent-g"]
     summary = pd.DataFrame({"variant": variants, "scene": "all", "bytes": 1000})
     tables.write(made / "summary.csv", summary)
+    rows = pd.DataFrame(columns=stability.COLUMNS)
+    tables.write(made / "stability.csv", rows)
+    fits.save(made / "ggx.npz", registry.model("ggx").fit(table, Objective(), None, 1))
     for verb in CALLS:
         assert main(words(verb, folder, folder / verb.replace(" ", "-"))) == 0, verb
     return folder
