@@ -2,7 +2,6 @@
 
 import inspect
 import json
-import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import ModuleType
@@ -227,14 +226,15 @@ class _Parameters(dict[str, NDArray[np.float32]]):
 def _grid(path: str | Path, kind: str, bins: NDArray) -> grids.Grid:
     if bins.ndim != 1 or bins.dtype.kind not in "iu" or not bins.size or (bins < 1).any():
         raise NpfmError(f"{path}: the grid is {bins}, not numbers of bins; {AGAIN}")
-    # No table has more cells than MERL's, and one that has would not fit into memory.
-    odd = kind == HalfDifference.kind and bins[-1] % 2
-    if math.prod(bins.tolist()) > MERL.size or odd:
-        raise NpfmError(f"{path}: no table is on a grid of {bins} bins; {AGAIN}")
     try:
-        return grids.named(kind, bins.tolist())
-    except (NpfmError, TypeError, ValueError) as error:
-        raise NpfmError(f"{path}: the grid cannot be made ({error}); {AGAIN}") from error
+        grid = grids.named(kind, bins.tolist())
+    except NpfmError as error:
+        raise NpfmError(f"{path}: {error}; {AGAIN}") from error
+    # No table has more cells than MERL's, and one that has would not fit into memory.
+    odd = isinstance(grid, HalfDifference) and grid.phi_d_bins % 2
+    if grid.size > MERL.size or odd:
+        raise NpfmError(f"{path}: no table is on a grid of {bins} bins; {AGAIN}")
+    return grid
 
 
 def _check_parameter(path: str | Path, name: str, array: NDArray) -> None:

@@ -73,15 +73,20 @@ def make(names: Sequence[str], given: Given) -> list[Strategy]:
     Raises
     ------
     NpfmError
-        If there is no strategy of one of the names, one is named twice, or something that it
-        needs is not given.
+        If there is no strategy of one of the names, one is named twice, something that it needs
+        is not given, or its file has no function `make`.
     """
     check(names)
     for name in names:
         for part in _declared(name).needs:
             if not getattr(given, part):
                 raise NpfmError(f"the strategy '{name}' needs the {part} of a material; give it")
-    return [importlib.import_module(module).make(given) for module in modules(names)]
+    made = []
+    for module in map(importlib.import_module, modules(names)):
+        if not hasattr(module, "make"):
+            raise NpfmError(f"{module.__file__}: no function 'make'; every strategy needs one")
+        made.append(module.make(given))
+    return made
 
 
 def check(names: Sequence[str]) -> None:

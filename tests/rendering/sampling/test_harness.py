@@ -41,7 +41,7 @@ def reflected(light, at):
     return LIGHT.lookup(light)[..., 1] * brdf * np.maximum(light @ at.normal[0], 0)
 
 
-@pytest.fixture(params=list(registry.strategies()))
+@pytest.fixture(params=list(registry.strategies()), scope="module")
 def strategy(request):
     given = Given(LIGHT, GRID, TABLE, PARAMETERS.get(request.param, {}))
     (made,) = registry.make([request.param], given)

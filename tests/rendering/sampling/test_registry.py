@@ -46,6 +46,12 @@ def test_a_strategy_that_needs_a_material_is_refused_without_one(folder):
         registry.check_scene(["mine"])
 
 
+def test_a_file_without_make_is_named(folder):
+    (folder / "low_discrepancy.py").write_text('NAME = "mine"\n')
+    with pytest.raises(NpfmError, match=r"low_discrepancy\.py: no function 'make'"):
+        registry.make(["mine"], GIVEN)
+
+
 @pytest.mark.parametrize(
     ("names", "said"),
     [
