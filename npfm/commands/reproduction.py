@@ -52,7 +52,7 @@ def _evidence(a: argparse.Namespace) -> Evidence:
     if a.materials:
         materials = tables.read(a.materials, ["material"], ["diffuseness"])
         diffuseness = materials.set_index("material")["diffuseness"]
-    ours = psnr[psnr["variant"] == "independent-g"]
+    ours = psnr[psnr["variant"] == "independent-g"].dropna(subset="psnr_db")
     rows = [renderings.Row(*row) for row in by_rendering(ours, ["independent-g"]).index]
     return Evidence(
         psnr=psnr,

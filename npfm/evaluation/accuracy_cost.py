@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from npfm.evaluation import tables
-from npfm.evaluation.metrics import psnr
+from npfm.evaluation.metrics import mean_db, psnr_or_gap
 from npfm.fitting.fits import load_record
 from npfm.reflectance.table import Table
 from npfm.rendering import transport
@@ -117,7 +117,7 @@ def fits(
     for scene, matrix in scenes.items():
         reference, *compared = pictures(matrix, values)
         for path, picture in zip(paths, compared, strict=True):
-            quality[path, scene] = psnr(picture, reference, matrix.foreground)
+            quality[path, scene], _ = psnr_or_gap(picture, reference, matrix.foreground)
     rows = []
     for setting, path in settings.items():
         found = load_record(path)
@@ -182,7 +182,8 @@ def sampling(
             measured, fit = found[2 * k], found[2 * k + 1]
             true_measured, true_fit = truth[2 * k], truth[2 * k + 1]
             compared = (measured, true_measured), (fit, measured), (true_fit, true_measured)
-            rows.append((*cost, material, *(psnr(*pair, foreground) for pair in compared)))
+            decibels = (psnr_or_gap(*pair, foreground)[0] for pair in compared)
+            rows.append((*cost, material, *decibels))
     return pd.DataFrame(rows, columns=SAMPLING)
 
 
@@ -215,7 +216,8 @@ def cost(fits: pd.DataFrame, sampling: pd.DataFrame) -> pd.DataFrame:
 
 
 def _means(table: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
-    return table.groupby(keys, sort=False)[["seconds", "psnr_db"]].mean().reset_index()
+    means = {"seconds": "mean", "psnr_db": mean_db}
+    return table.groupby(keys, sort=False).agg(means).reset_index()
 
 
 def _gains(stage: pd.DataFrame) -> pd.DataFrame:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
-from npfm.evaluation.metrics import psnr
+from npfm.evaluation.metrics import psnr_or_gap
 from npfm.storage.pictures import read_exr, windows
 
 
@@ -51,18 +51,30 @@ def decibels(reference: str | Path, pictures: Iterable[str | Path]) -> list[floa
     NpfmError
         If a file cannot be read, or a picture cannot be compared with the reference.
     """
+    pictures = list(pictures)
+    found = decibels_and_gaps(reference, pictures)
+    for path, (_, gap) in zip(pictures, found, strict=True):
+        if gap:
+            raise NpfmError(f"{path}: has no PSNR with {reference} as the reference: {gap}")
+    return [value for value, _ in found]
+
+
+def decibels_and_gaps(
+    reference: str | Path, pictures: Iterable[str | Path]
+) -> list[tuple[float, str]]:
+    """As `decibels`; but a picture whose values have no PSNR is NaN, with the reason beside it."""
     measured, foreground = read_reference(reference)
-    values = []
+    found = []
     for path in pictures:
         picture = read_exr(path)
         _check_windows(reference, path)
         try:
-            values.append(psnr(picture[..., :3], measured, foreground))
+            found.append(psnr_or_gap(picture[..., :3], measured, foreground))
         except ValueError as error:
             raise NpfmError(
                 f"{path}: cannot be compared with {reference} ({error}); render both again"
             ) from error
-    return values
+    return found
 
 
 def _check_windows(reference: str | Path, path: str | Path) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from npfm.errors import NpfmError
 from npfm.evaluation import tables
 from npfm.evaluation.accuracy_cost import pictures
-from npfm.evaluation.metrics import psnr
+from npfm.evaluation.metrics import mean_db, psnr_or_gap
 from npfm.reflectance.table import Table
 from npfm.rendering import transport
 from npfm.rendering.effects import EFFECTS
@@ -34,15 +34,15 @@ class Shown:
 
     @property
     def psnr_db(self) -> NDArray[np.float64]:
-        """PSNR of each fit, shape (materials,)."""
+        """PSNR of each fit, NaN where it has none, shape (materials,)."""
         pairs = zip(self.fitted, self.measured, strict=True)
-        return np.array([psnr(*pair, self.matrix.foreground) for pair in pairs])
+        return np.array([psnr_or_gap(*pair, self.matrix.foreground)[0] for pair in pairs])
 
     def against(self, other: "Shown") -> NDArray[np.float64]:
         """PSNR of each measurement's picture with that in another scene as the reference."""
         foreground = self.matrix.foreground & other.matrix.foreground
         pairs = zip(self.measured, other.measured, strict=True)
-        return np.array([psnr(*pair, foreground) for pair in pairs])
+        return np.array([psnr_or_gap(*pair, foreground)[0] for pair in pairs])
 
 
 def read(paths: Sequence[str]) -> pd.DataFrame:
@@ -106,7 +106,7 @@ def compare(name: str, own: Shown, switched: Mapping[str, Shown]) -> pd.DataFram
         Columns `COLUMNS`, two rows an effect; other effects are as configured. psnr_change_db is
         the PSNR of fits less that without the effect; picture_db is the PSNR of the
         measurement's picture with that without the effect as the reference, over the pixels that
-        objects cover entirely in both. Both are means over the materials.
+        objects cover entirely in both. Both are means over the materials (`mean_db`).
     """
     rows = []
     for effect in EFFECTS:
@@ -114,6 +114,12 @@ def compare(name: str, own: Shown, switched: Mapping[str, Shown]) -> pd.DataFram
         off, on = pair[::-1] if effect in own.record["effects"] else pair
         for is_on, shown in enumerate((off, on)):
             cost = (shown.record[key] for key in ("seconds", "rays", "nonzeros"))
-            change = (shown.psnr_db - off.psnr_db).mean(), shown.against(off).mean()
+            change = mean_db(_gain(shown.psnr_db, off.psnr_db)), mean_db(shown.against(off))
             rows.append((name, effect, is_on, *cost, *change))
     return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def _gain(after: NDArray[np.float64], before: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Difference of decibels; 0 where both are infinite."""
+    equal = after == before
+    return np.where(equal, 0.0, after - np.where(equal, 0.0, before))

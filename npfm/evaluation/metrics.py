@@ -4,6 +4,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 
+class NoPSNR(ValueError):
+    """Pictures of one place whose values have no PSNR: the reference is black, or not finite."""
+
+
 def psnr(picture: ArrayLike, reference: ArrayLike, foreground: ArrayLike) -> float:
     """Peak signal-to-noise ratio over the foreground, in linear radiance.
 
@@ -26,8 +30,9 @@ def psnr(picture: ArrayLike, reference: ArrayLike, foreground: ArrayLike) -> flo
     Raises
     ------
     ValueError
-        If the shapes differ, the foreground is empty, a foreground value is not finite, or the
-        foreground of the reference is black.
+        If the shapes differ or the foreground is empty.
+    NoPSNR
+        If a foreground value is not finite, or the foreground of the reference is black.
     """
     picture, reference = (np.asarray(p, dtype=np.float64) for p in (picture, reference))
     foreground = np.asarray(foreground, dtype=bool)
@@ -41,12 +46,43 @@ def psnr(picture: ArrayLike, reference: ArrayLike, foreground: ArrayLike) -> flo
     picture, reference = picture[foreground], reference[foreground]
     for name, values in (("picture", picture), ("reference", reference)):
         if wrong := np.count_nonzero(~np.isfinite(values)):
-            raise ValueError(f"{wrong} foreground values of the {name} are NaN or infinite")
+            raise NoPSNR(f"{wrong} foreground values of the {name} are NaN or infinite")
     peak = reference.max()
     if peak <= 0:
-        raise ValueError(f"the largest foreground value of the reference is {peak:g}")
+        raise NoPSNR(f"the largest foreground value of the reference is {peak:g}")
     error = np.mean((picture - reference) ** 2)
     return float(20 * np.log10(peak) - 10 * np.log10(error)) if error > 0 else float("inf")
+
+
+def psnr_or_gap(
+    picture: ArrayLike, reference: ArrayLike, foreground: ArrayLike
+) -> tuple[float, str]:
+    """`psnr`, and an empty string; or NaN, and why the values have none."""
+    try:
+        return psnr(picture, reference, foreground), ""
+    except NoPSNR as why:
+        return float("nan"), str(why)
+
+
+def mean_db(values: ArrayLike) -> float:
+    """Mean of finite decibels: neither gaps nor pictures equal to their reference count.
+
+    Parameters
+    ----------
+    values : array_like
+        dB; NaN for a gap.
+
+    Returns
+    -------
+    float
+        dB; infinite if no picture differs from its reference, NaN if there is none.
+    """
+    values = np.asarray(values, dtype=np.float64)
+    values = values[~np.isnan(values)]
+    finite = values[np.isfinite(values)]
+    if len(finite):
+        return float(finite.mean())
+    return float("inf") if len(values) else float("nan")
 
 
 def absolute_error(picture: ArrayLike, reference: ArrayLike) -> NDArray[np.float64]:

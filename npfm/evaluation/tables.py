@@ -15,7 +15,8 @@ import pandas as pd
 from tqdm import tqdm
 
 from npfm.errors import NpfmError
-from npfm.evaluation.comparison import decibels
+from npfm.evaluation.comparison import decibels_and_gaps
+from npfm.evaluation.metrics import mean_db
 from npfm.fitting.factors.smith import diffuseness
 from npfm.fitting.fits import ChannelRecord, load, load_record
 from npfm.papers import bagher2016
@@ -84,7 +85,10 @@ def _check_rows(path: str | Path) -> None:
 
 
 def read_psnr(path: str | Path) -> pd.DataFrame:
-    """Read the table that `psnr` makes; errors are those of `read`, or a picture twice."""
+    """Read the table that `psnr` makes; errors are those of `read`, or a picture twice.
+
+    The PSNR is NaN where there is a gap.
+    """
     names = ["scene", "material", "variant"]
     table = read(path, names, ["psnr_db"])
     twice = table[table.duplicated(names)]
@@ -122,21 +126,23 @@ def psnr(
     Returns
     -------
     DataFrame
-        Columns scene, material, variant, psnr_db (infinite for equal pictures).
+        Columns scene, material, variant, psnr_db (infinite for equal pictures), gap: why there is
+        no psnr_db, as of a material that is black. One such material keeps nothing from others.
 
     Raises
     ------
     NpfmError
-        If a picture is missing or cannot be compared.
+        If a picture is missing or is not of the reference's size.
     """
     rows = []
     pairs = tqdm(list(product(scenes, materials)), desc="psnr", unit="reference", disable=None)
     for scene, material in pairs:
         folder = Path(run) / "renders" / scene / material
         there = [name for name in variants if f"{name}/{material}" not in missing]
-        values = decibels(folder / "measured.exr", [folder / f"{name}.exr" for name in there])
-        rows += [(scene, material, *row) for row in zip(there, values, strict=True)]
-    return pd.DataFrame(rows, columns=["scene", "material", "variant", "psnr_db"])
+        pictures = [folder / f"{name}.exr" for name in there]
+        found = decibels_and_gaps(folder / "measured.exr", pictures)
+        rows += [(scene, material, name, *row) for name, row in zip(there, found, strict=True)]
+    return pd.DataFrame(rows, columns=["scene", "material", "variant", "psnr_db", "gap"])
 
 
 def fits(
@@ -256,15 +262,23 @@ def summary(psnr: pd.DataFrame, sizes: pd.DataFrame) -> pd.DataFrame:
     -------
     DataFrame
         One row a variant and scene, and one with the scene ``all`` over all pictures, which is
-        the average that the paper prints. An infinite PSNR makes a mean infinite. Means are over
-        so many `materials`, which differ where a variant has no fit of some.
+        the average that the paper prints. `materials` have a PSNR; they differ where a variant has
+        no fit of some. Means are those of `mean_db`: so many pictures that equal their reference
+        (`exact`) or have no PSNR (`gaps`) are left out of them. Medians are over `exact` as well.
     """
-    over_all = psnr.assign(scene="all")
-    groups = pd.concat([psnr, over_all]).groupby(["variant", "scene"], sort=False)
+    counted = psnr.assign(
+        material=psnr["material"].where(psnr["psnr_db"].notna()),
+        exact=np.isposinf(psnr["psnr_db"]),
+        gap=psnr["psnr_db"].isna(),
+    )
+    over_all = counted.assign(scene="all")
+    groups = pd.concat([counted, over_all]).groupby(["variant", "scene"], sort=False)
     table = groups.agg(
         materials=("material", "nunique"),
-        mean_psnr_db=("psnr_db", "mean"),
+        mean_psnr_db=("psnr_db", mean_db),
         median_psnr_db=("psnr_db", "median"),
+        exact=("exact", "sum"),
+        gaps=("gap", "sum"),
     ).reset_index()
     order = {name: rank for rank, name in enumerate(sizes["variant"])}
     table = table.sort_values("variant", key=lambda names: names.map(order), kind="stable")

@@ -98,13 +98,14 @@ def change_db(parts: Mapping[str, NDArray], effect: str) -> NDArray[np.float64]:
     -------
     ndarray, shape (h, w)
         Root mean square over the colour components; minus infinity where nothing changes, which
-        is everywhere for an effect that cannot be switched, and where no object is to be seen.
+        is everywhere for an effect that cannot be switched and for a black material, and where no
+        object is to be seen.
     """
     scene = parts["scene"].astype(float)
     other = parts.get(effect, parts["scene"])[..., :3]
     error = np.sqrt(np.mean((scene[..., :3] - other) ** 2, axis=-1)) * (scene[..., 3] > 0)
     with np.errstate(divide="ignore"):
-        return 20 * np.log10(error / scene[scene[..., 3] == 1, :3].max())
+        return 20 * np.log10(error / (scene[scene[..., 3] == 1, :3].max() or 1.0))
 
 
 def _draw_panel(

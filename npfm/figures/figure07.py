@@ -4,11 +4,13 @@ import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
 from npfm.errors import NpfmError
 from npfm.evaluation import tables
+from npfm.evaluation.metrics import mean_db
 from npfm.figures import renderings, style
 
 
@@ -76,13 +78,15 @@ def gains(
     psnr: pd.DataFrame, rows: Sequence[renderings.Row], columns: Mapping[str, tuple[str, str]]
 ) -> str:
     """Tell by how much the weight raises PSNR, mean over the scenes, for each row."""
-    means = psnr.groupby(["material", "variant"])["psnr_db"].mean()
+    means = psnr.groupby(["material", "variant"])["psnr_db"].agg(mean_db)
     by_material = []
     for row in rows:
         of = means[row.material]
         gained = [of[weighted] - of[plain] for weighted, plain in columns.values()]
         # adding 0 turns -0.0 into 0.0
-        numbers = ", ".join(f"{round(gain, 1) + 0.0:+.1f}" for gain in gained)
+        numbers = ", ".join(
+            "no PSNR" if np.isnan(gain) else f"{round(gain, 1) + 0.0:+.1f}" for gain in gained
+        )
         by_material.append(f"{row.material} {numbers}")
     scenes = ", ".join(psnr["scene"].unique())
     return (

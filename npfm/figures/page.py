@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from npfm.evaluation import tables
 from npfm.figures import style
-from npfm.figures.renderings import MEASURED, Row, picture, show
+from npfm.figures.renderings import MEASURED, Row, decibels_label, picture, show
 
 COLUMNS = 6  # pictures side by side: names below and beside them stay readable on a page
 CELL = style.PAGE_WIDTH / COLUMNS  # inches, side of a picture with its margins
@@ -78,7 +78,7 @@ def draw(
                 show(ax, picture(run, Row(material, scene), name))
                 ax.set_title(textwrap.fill(name, LETTERS), fontsize=6, pad=3)
                 if name != MEASURED:
-                    ax.set_xlabel(f"{decibels[scene, name]:.1f} dB", fontsize=6, labelpad=2)
+                    ax.set_xlabel(decibels_label(decibels[scene, name]), fontsize=6, labelpad=2)
             axes[0].set_ylabel(f"scene {scene}")
             for ax in axes[len(shown) :]:
                 ax.set_axis_off()

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from npfm.evaluation.accuracy_cost import FITS, read
+from npfm.evaluation.metrics import mean_db
 from npfm.figures import style
 
 HEIGHT, LEGEND_LINE, LEGEND_COLUMNS = 2.6, 0.16, 3  # inches, but for the columns
@@ -42,7 +43,7 @@ def draw(fits: pd.DataFrame, colors: Mapping[str, str] | None = None) -> Figure:
         Colours of variants, in place of the project's.
     """
     models = fits[fits["stage"] == "model"].groupby("setting", sort=False)
-    means = models.agg({"seconds": "mean", "bytes": "max", "psnr_db": "mean"})
+    means = models.agg({"seconds": "mean", "bytes": "max", "psnr_db": mean_db})
     marks = _marks(list(means.index), colors)
     lines = 2 + -(-(len(means) + 1) // LEGEND_COLUMNS)
     with style.context():
@@ -107,6 +108,9 @@ def _draw_panel(ax: Axes, means: pd.DataFrame, marks: dict[str, dict], cost: str
     ax.margins(0.15)
     ax.grid(True)
     ax.set_axisbelow(True)
+    means = means[np.isfinite(means["psnr_db"])]
+    if means.empty:
+        return
     on = means.iloc[front(means[cost], means["psnr_db"])]
     right, bottom = ax.get_xlim()[1], ax.get_ylim()[0]
     ax.set(xlim=ax.get_xlim(), ylim=ax.get_ylim())

@@ -81,7 +81,7 @@ def common(psnr: pd.DataFrame, variants: Sequence[str]) -> tuple[pd.DataFrame, s
     if left.empty:
         raise NpfmError(f"no picture that all of {', '.join(variants)} have; make them first")
     lacking = [f"{name} {count}" for name, count in table.isna().sum().items() if count]
-    of = f"left out of {len(table)} renderings, for want of a fit: "
+    of = f"left out of {len(table)} renderings, for want of a fit or a PSNR: "
     return left, of + ", ".join(lacking) if lacking else ""
 
 
@@ -216,7 +216,7 @@ def draw(
             show(ax, picture(run, row, variant))
             if variant != MEASURED:
                 value = decibels.loc[(row.material, row.scene), variant]
-                corner_label(ax, f"{value:.1f} dB")
+                corner_label(ax, decibels_label(value))
         row_label(line[0], row)
     for ax, heading in zip(axes[0], headings, strict=True):
         ax.set_title(heading, pad=3)
@@ -257,6 +257,11 @@ def row_label(ax: Axes, row: Row) -> None:
     """Write left of a row what it shows."""
     lines = textwrap.wrap(row.material, LABEL_LETTERS)
     ax.set_ylabel("\n".join([*lines, f"scene {row.scene}"]), labelpad=2, linespacing=1.1)
+
+
+def decibels_label(value: float) -> str:
+    """PSNR as it stands beside a picture."""
+    return "no PSNR" if np.isnan(value) else f"{value:.1f} dB"
 
 
 def corner_label(ax: Axes, text: str) -> None:

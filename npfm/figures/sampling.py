@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from npfm.evaluation.accuracy_cost import SAMPLING, read
+from npfm.evaluation.metrics import mean_db
 from npfm.figures import style
 
 HEIGHT = 4.4  # inches
@@ -71,7 +72,8 @@ def errors(sampling: pd.DataFrame) -> pd.DataFrame:
     """
     squared = (sampling["psnr_db"] - sampling["reference_db"]) ** 2
     groups = sampling.assign(error_db=squared).groupby(["sampling", "samples"], sort=False)
-    means = groups[["seconds", "picture_db", "error_db"]].mean().reset_index()
+    how = {"seconds": "mean", "picture_db": mean_db, "error_db": "mean"}
+    means = groups.agg(how).reset_index()
     return means.assign(error_db=np.sqrt(means["error_db"]))
 
 

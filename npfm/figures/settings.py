@@ -2,6 +2,7 @@
 
 import argparse
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -36,7 +37,7 @@ def draw(fits: pd.DataFrame) -> Figure:
     ----------
     fits : DataFrame
         As `npfm.evaluation.accuracy_cost.fits` makes it, of all materials; the stages ``starts``
-        and ``tolerance`` count.
+        and ``tolerance`` count. What has no PSNR, or an infinite one, is left out.
     """
     looks = style.looks(list(fits["material"].unique()))
     with style.context():
@@ -49,6 +50,7 @@ def draw(fits: pd.DataFrame) -> Figure:
                 here.pivot_table(index="setting", columns="material", values=value, sort=False)
                 for value in ("psnr_db", "seconds")
             )
+            psnr = psnr.replace(np.inf, np.nan).reindex(columns=seconds.columns)
             _draw_panel(column[0], psnr - psnr.iloc[0], looks)
             _draw_panel(column[1], seconds, looks)
             mean = psnr.mean(axis=1)

@@ -75,9 +75,14 @@ class Evidence:
         return [model for model, names in NAMES.items() if available & set(names)]
 
     def renderings(self, models: Sequence[str]) -> pd.DataFrame:
-        """PSNR in dB by (material, scene) and model, of the pictures that all of them have."""
+        """PSNR in dB by (material, scene) and model, of the pictures that all of them have.
+
+        Without those that equal the measurement's in some model: they have no mean, and no
+        difference from others.
+        """
         variants = [self.variant(model) for model in models]
-        table = renderings(self.psnr, variants).dropna().set_axis(list(models), axis=1)
+        table = renderings(self.psnr, variants).replace(np.inf, np.nan).dropna()
+        table = table.set_axis(list(models), axis=1)
         if table.empty:
             raise Untestable(f"the run has no picture of all of {', '.join(models)}")
         return table

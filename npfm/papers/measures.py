@@ -8,6 +8,7 @@ import pandas as pd
 from scipy.stats import spearmanr
 
 from npfm.evaluation.head_to_head import TIE_DB, HeadToHead, head_to_head
+from npfm.evaluation.metrics import mean_db
 from npfm.papers import bagher2016
 from npfm.papers.captions import CAPTIONS, chosen
 from npfm.papers.evidence import NAMES, Evidence, Untestable
@@ -138,7 +139,7 @@ def weighting_harmless(evidence: Evidence, model: str) -> Finding:
 def weighting_restricted(evidence: Evidence) -> Finding:
     """Mean gain by the compressive weight where fits use angles up to 80 degrees."""
     materials = _weighted_materials(evidence)
-    gain = _gain_by_weight(evidence, materials, 80, "independent-g").dropna()
+    gain = _gain_by_weight(evidence, materials, 80, "independent-g")
     ours = f"{gain.mean():+.1f} dB, {len(gain)} materials"
     return Finding(ours, gain.mean() > TIE_DB, f"{gain.mean():+.1f} dB")
 
@@ -185,24 +186,28 @@ def size(evidence: Evidence, variant: str, paper: int) -> Finding:
 def _weighted_materials(evidence: Evidence) -> list[str]:
     if evidence.weighting is None:
         raise Untestable("the run has no table of fits without the compressive weight")
-    return list(evidence.weighting["material"].unique())
+    return list(evidence.weighting.dropna(subset="psnr_db")["material"].unique())
 
 
 def _gain_by_weight(
     evidence: Evidence, materials: Sequence[str], max_angle: int, model: str
 ) -> pd.Series:
-    """What the compressive weight gains, mean over the scenes in dB, by material.
+    """What the compressive weight gains, mean over the scenes in dB, by material that has both.
 
     Fits are named as `npfm.run.weighting` names them, or as the run does if it has them.
     """
-    means = evidence.weighting.groupby(["material", "variant"])["psnr_db"].mean().unstack()
+    by_fit = evidence.weighting.groupby(["material", "variant"])["psnr_db"]
+    means = by_fit.agg(mean_db).unstack()
     weighted = means.columns.intersection([f"{model}-to-{max_angle}-weighted", model])
     without = f"{model}-to-{max_angle}-unweighted"
     if not materials:
         raise Untestable("the run has too few materials with and without the compressive weight")
     if weighted.empty or without not in means:
         raise Untestable(f"the run has no {model} with and without the compressive weight")
-    return (means[weighted[0]] - means[without]).reindex(materials)
+    gain = (means[weighted[0]] - means[without]).reindex(materials).dropna()
+    if gain.empty:
+        raise Untestable(f"the run has no PSNR of {model} with and without the compressive weight")
+    return gain
 
 
 def _gain_by_diffuseness(evidence: Evidence) -> tuple[pd.Series, pd.Series]:

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from npfm.evaluation.metrics import psnr
+from npfm.evaluation.metrics import NoPSNR, mean_db, psnr, psnr_or_gap
 
 
 def test_psnr_by_hand():
@@ -82,5 +82,29 @@ def test_what_cannot_be_compared(picture, foreground, message):
 
 
 def test_a_black_reference_has_no_peak():
-    with pytest.raises(ValueError, match="largest foreground value of the reference is 0"):
-        psnr(np.ones((2, 2, 3)), np.zeros((2, 2, 3)), np.ones((2, 2), dtype=bool))
+    pictures = np.ones((2, 2, 3)), np.zeros((2, 2, 3)), np.ones((2, 2), dtype=bool)
+    with pytest.raises(NoPSNR, match="largest foreground value of the reference is 0"):
+        psnr(*pictures)
+    value, gap = psnr_or_gap(*pictures)
+    assert math.isnan(value) and "reference is 0" in gap
+
+
+def test_pictures_of_different_places_are_no_gap():
+    with pytest.raises(ValueError, match="shapes differ"):
+        psnr_or_gap(np.ones((2, 3, 3)), np.ones((2, 2, 3)), np.ones((2, 2), dtype=bool))
+    assert psnr_or_gap(*np.ones((2, 2, 2, 3)), np.ones((2, 2), dtype=bool)) == (math.inf, "")
+
+
+@pytest.mark.parametrize(
+    ("values", "mean"),
+    [
+        ([10.0, 30.0], 20.0),
+        ([10.0, 30.0, math.nan], 20.0),
+        ([10.0, 30.0, math.inf], 20.0),
+        ([math.inf, math.nan], math.inf),
+        ([math.nan], math.nan),
+        ([], math.nan),
+    ],
+)
+def test_means_are_over_finite_decibels(values, mean):
+    assert mean_db(values) == pytest.approx(mean, nan_ok=True)

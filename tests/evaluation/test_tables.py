@@ -63,7 +63,8 @@ def written(path, table):
 
 def test_psnr_of_every_picture_in_the_order_of_the_lists(run):
     table = tables.psnr(run, SCENES, MATERIALS, VARIANTS)
-    assert list(table) == ["scene", "material", "variant", "psnr_db"]
+    assert list(table) == ["scene", "material", "variant", "psnr_db", "gap"]
+    assert set(table["gap"]) == {""}
     assert list(table["scene"]) == ["B"] * 4 + ["A"] * 4
     assert list(table["material"]) == ["felt", "felt", "chrome", "chrome"] * 2
     assert list(table["variant"]) == VARIANTS * 4
@@ -75,8 +76,32 @@ def test_psnr_of_every_picture_in_the_order_of_the_lists(run):
 def test_pictures_that_are_not_listed_do_not_count(run):
     write_exr(run / "renders/A/stale/naive.exr", picture(2.0))
     assert tables.psnr(run, ["A"], ["felt"], ["naive"]).values.tolist() == [
-        ["A", "felt", "naive", pytest.approx(20, abs=1e-4)]
+        ["A", "felt", "naive", pytest.approx(20, abs=1e-4), ""]
     ]
+
+
+def test_a_black_material_is_a_gap_with_its_reason_and_others_keep_their_tables(run, tmp_path):
+    for name in ("measured", *VARIANTS):
+        write_exr(run / f"renders/A/chrome/{name}.exr", picture(0.0))
+    infinite = picture(1.0)
+    infinite[0, 0, 0] = np.inf
+    write_exr(run / "renders/B/felt/naive.exr", infinite)
+    table = tables.psnr(run, SCENES, MATERIALS, VARIANTS)
+    rows = table.set_index(["scene", "material", "variant"])
+    assert rows.loc[("A", "felt", "naive"), "psnr_db"] == pytest.approx(20, abs=1e-4)
+    gaps = rows[rows["psnr_db"].isna()]["gap"].to_dict()
+    black = "the largest foreground value of the reference is 0"
+    assert gaps == {
+        ("B", "felt", "naive"): "1 foreground values of the picture are NaN or infinite",
+        **{("A", "chrome", variant): black for variant in VARIANTS},
+    }
+    assert (rows["gap"] != "").sum() == len(gaps)
+    again = tables.read_psnr(written(tmp_path / "psnr.csv", table))
+    assert again["psnr_db"].isna().sum() == len(gaps)
+    summary = tables.summary(again, tables.sizes(run, again)).set_index(["variant", "scene"])
+    naive = summary.loc[("naive", "A")]
+    assert (naive["materials"], naive["exact"], naive["gaps"]) == (1, 0, 1)
+    assert naive["mean_psnr_db"] == pytest.approx(20, abs=1e-4)
 
 
 def test_infinity_and_odd_names_survive_the_file(tmp_path):
@@ -155,15 +180,16 @@ def test_summary_averages_over_materials_then_over_everything(run):
     assert sizes.values.tolist() == [["bivariate", 150, 600], ["naive", 90, 360]]
     table = tables.summary(psnr, sizes)
     assert ",".join(table) == (
-        "variant,scene,materials,mean_psnr_db,median_psnr_db,parameters,bytes,paper_psnr_db"
+        "variant,scene,materials,mean_psnr_db,median_psnr_db,exact,gaps,parameters,bytes,"
+        "paper_psnr_db"
     )
     nothing = pytest.approx(math.nan, nan_ok=True)
     assert table.values.tolist() == [
-        ["bivariate", "B", 2, math.inf, math.inf, 150, 600, nothing],
-        ["bivariate", "all", 2, math.inf, math.inf, 150, 600, 64.07],
-        ["naive", "A", 3, 30.0, 20.0, 90, 360, nothing],
-        ["naive", "B", 1, 40.0, 40.0, 90, 360, nothing],
-        ["naive", "all", 3, 32.5, 30.0, 90, 360, 56.71],
+        ["bivariate", "B", 2, 50.0, math.inf, 1, 0, 150, 600, nothing],
+        ["bivariate", "all", 2, 50.0, math.inf, 1, 0, 150, 600, 64.07],
+        ["naive", "A", 3, 30.0, 20.0, 0, 0, 90, 360, nothing],
+        ["naive", "B", 1, 40.0, 40.0, 0, 0, 90, 360, nothing],
+        ["naive", "all", 3, 32.5, 30.0, 0, 0, 90, 360, 56.71],
     ]
 
 
@@ -214,9 +240,9 @@ def test_the_verb_writes_every_table_twice_the_same(run, tmp_path):
         assert main(["tables", kind, *options, "-o", str(path)]) == 0
         assert path.read_bytes() == first
         heads[kind] = first.decode().splitlines()[:2]
-    assert heads["psnr"] == ["scene,material,variant,psnr_db", "B,felt,naive,40"]
+    assert heads["psnr"] == ["scene,material,variant,psnr_db,gap", "B,felt,naive,40,"]
     assert heads["materials"] == ["material,diffuseness", "felt,3.14159"]
-    assert heads["summary"][1] == "naive,B,2,40,40,90,360,"
+    assert heads["summary"][1] == "naive,B,2,40,40,0,0,90,360,"
 
 
 @pytest.mark.parametrize(
@@ -237,7 +263,7 @@ def test_a_missing_or_foreign_picture(run, path, contents, message):
 
 def test_a_picture_of_another_size(run):
     write_exr(run / "renders/A/felt/naive.exr", np.ones((2, 2, 4)))
-    with pytest.raises(NpfmError, match=r"naive\.exr: cannot be compared with .*measured\.exr"):
+    with pytest.raises(NpfmError, match=r"naive\.exr: shows 2 x 2 .*measured\.exr 2 x 3 "):
         tables.psnr(run, ["A"], ["felt"], ["naive"])
 
 

@@ -257,7 +257,7 @@ def test_pictures_that_a_variant_lacks_are_left_out_and_counted(run, psnr):
     figure = figure10.draw(run, without(psnr, "naive", "chrome"), ["independent-g", "naive"])
     assert [row.split()[0] for row in rows(figure)] == ["nylon", "pink-felt"]
     said = " ".join(text.get_text() for text in figure.texts)
-    assert said == "left out of 6 renderings, for want of a fit: naive 2"
+    assert said == "left out of 6 renderings, for want of a fit or a PSNR: naive 2"
 
 
 def test_a_picture_that_the_table_has_and_the_run_lacks_is_named(run, psnr):

@@ -196,3 +196,21 @@ def test_every_claim_is_judged_on_a_run_that_has_everything():
     untestable = [text for text, (_, verdict, _) in verdicts.items() if verdict == page.UNTESTABLE]
     assert len(untestable) == 1 and "polyurethane-foam" in untestable[0]
     assert sum(verdict == page.HOLDS for _, verdict, _ in verdicts.values()) > 20
+
+
+def test_pictures_without_a_psnr_or_equal_to_the_measurement_leave_claims_testable():
+    """A black material, and one that some model meets exactly."""
+    odd = {"chrome": float("nan"), "nylon": float("inf")}
+
+    def psnr(db):
+        return lambda material, scene: odd.get(material, db)
+
+    values = {"independent-g": psnr(58.0), "naive": 50.0, "g-from-d": 49.0}
+    run = evidence(values, weighting=weighting(psnr(50.0), 40.0))
+    assert measures.average(run, "independent-g").ours == "58.00 dB, 8 renderings"
+    assert measures.order(run).ours == "independent-g > naive > g-from-d"
+    best = measures.best_for_every_material(run, ["naive", "g-from-d"])
+    assert best.holds and best.ours == "4 of 4 materials"
+    assert measures.largest_gain(run, 8.0).holds
+    assert measures.wins(run, "naive", 100.0).ours == "100.0 % (10 of 10)"
+    assert "chrome" not in measures.weighting_needed(run, "naive").ours

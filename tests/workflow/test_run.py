@@ -14,7 +14,7 @@ def rows(path):
 def test_a_run_makes_tables_with_the_promised_columns(finished):
     tables = finished.folder / "results" / "tiny" / "tables"
     psnr = rows(tables / "psnr.csv")
-    assert list(psnr[0]) == ["scene", "material", "variant", "psnr_db"]
+    assert list(psnr[0]) == ["scene", "material", "variant", "psnr_db", "gap"]
     assert len(psnr) == 2 * 1 * 3
     assert all(float(row["psnr_db"]) > 10 for row in psnr)
     fits = rows(tables / "fits.csv")
@@ -40,6 +40,8 @@ def test_a_run_makes_tables_with_the_promised_columns(finished):
             "materials",
             "mean_psnr_db",
             "median_psnr_db",
+            "exact",
+            "gaps",
             "parameters",
             "bytes",
             "paper_psnr_db",
