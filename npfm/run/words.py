@@ -10,10 +10,12 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from npfm.storage.files import replacing
+from npfm.storage.files import Kind, replacing
 
 #: Beside what Snakemake itself keeps in the folder that it runs in.
 FOLDER = Path(".snakemake/npfm")
+LIST = Kind("a list of words", ".txt", Path.is_file)
+LINK = Kind("a link", "", Path.is_symlink)
 #: Bytes of a list that still stands in the command itself; a command has a few lists.
 LONGEST = 2**14
 
@@ -32,7 +34,7 @@ def words(items: Iterable[str]) -> list[str]:
         return listed
     path = FOLDER / f"{_digest(content)}.txt"
     if not path.exists():
-        with replacing(path) as temporary:
+        with replacing(path, LIST) as temporary:
             temporary.write_text(content)
     return [f"@{path}"]
 
@@ -54,7 +56,7 @@ def as_input(path: str) -> str:
         return path
     link = FOLDER / _digest(str(Path(path).absolute()))
     if not link.is_symlink():
-        with replacing(link) as temporary:
+        with replacing(link, LINK) as temporary:
             os.symlink(Path(path).absolute(), temporary)
     return str(link)
 
