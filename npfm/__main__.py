@@ -33,6 +33,7 @@ VERBS = {
     "reproduction": "put the paper's claims to the tables of a run, as a page of Markdown",
     "effects-cost": "what effects cost and change, switched off and on",
     "accuracy-cost": "tables of what accuracy costs in time",
+    "power-iterations": "tables of what power iterations find, and how well and fast",
     "stability": "fit hard inputs, and gather how that went",
 }
 
@@ -68,6 +69,8 @@ def _command(verb: str) -> ModuleType:
             from npfm.commands import effects_cost as module
         case "accuracy-cost":
             from npfm.commands import accuracy_cost as module
+        case "power-iterations":
+            from npfm.commands import power_iterations as module
         case "stability":
             from npfm.commands import stability as module
     return module

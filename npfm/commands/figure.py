@@ -36,6 +36,10 @@ FIGURES = {
     "settings": "PSNR (dB) and seconds against the number of starts and the tolerance",
     "effects_cost": "what each effect costs in each scene, and where it changes the picture",
     "sampling": "error of pictures (dB) against samples a pixel and seconds",
+    "delta_e": "colour differences (CIEDE2000) of each variant's pictures, mean over the materials",
+    "extraction_time": "seconds of the power iterations against the number of samples",
+    "side_by_side": "materials measured and by each variant, with colour differences",
+    "roughness": "materials made smoother and rougher",
 }
 
 
@@ -82,6 +86,14 @@ def _figure(name: str) -> ModuleType:
             from npfm.figures import effects_cost as module
         case "sampling":
             from npfm.figures import sampling as module
+        case "delta_e":
+            from npfm.figures import delta_e as module
+        case "extraction_time":
+            from npfm.figures import extraction_time as module
+        case "side_by_side":
+            from npfm.figures import side_by_side as module
+        case "roughness":
+            from npfm.figures import roughness as module
     return module
 
 

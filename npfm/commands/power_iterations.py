@@ -1,0 +1,94 @@
+"""``npfm power-iterations``."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from npfm.commands.numbers import whole
+from npfm.errors import NpfmError
+from npfm.evaluation import delta_e, tables
+from npfm.evaluation import power_iterations as study
+from npfm.fitting import fits
+from npfm.papers import dupuy2015
+from npfm.storage.pictures import write_exr_parts
+
+EXAMPLE = """\
+examples:
+  python -m npfm power-iterations recovery -o recovery.csv
+  python -m npfm power-iterations timing -o timing.csv
+  python -m npfm power-iterations surfaces chrome.npz nylon.npz -o surfaces.csv
+  python -m npfm power-iterations delta-e --measured renders/A --fits ggx=renders/A \\
+      --materials chrome nylon -o delta_e.csv --images delta_e.exr
+recovery finds known surfaces again (Table 1 of Dupuy et al. 2015); timing tells processor seconds;
+surfaces reads roughness and colour off fits of power-iteration; delta-e compares the tone-mapped
+pictures of fits with those of measurements (CIEDE2000, of which 1 is just noticeable).
+"""
+#: As in the paper's table, and from mirrors to matte.
+ROUGHNESS = (0.005, *dupuy2015.BACKSCATTER_ERROR, 0.3, 0.6)
+NODES = (22, 45, 90, 180, 360)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.epilog = EXAMPLE
+    kinds = parser.add_subparsers(
+        dest="kind", required=True, metavar="recovery|timing|surfaces|delta-e"
+    )
+    recovery, timing = kinds.add_parser("recovery"), kinds.add_parser("timing")
+    timing.add_argument(
+        "--repeats", type=whole(1), default=9, help="of which the median counts (default: 9)"
+    )
+    surfaces = kinds.add_parser("surfaces")
+    surfaces.add_argument("fits", nargs="+", help="fits (.npz) of power-iteration")
+    compare = kinds.add_parser("delta-e")
+    compare.add_argument("--measured", required=True, help="folder of the pictures of a scene")
+    compare.add_argument(
+        "--fits",
+        nargs="+",
+        required=True,
+        metavar="VARIANT=FOLDER",
+        help="folder of the pictures of a scene that has those of the variant",
+    )
+    compare.add_argument("--materials", nargs="+", required=True, help="names")
+    compare.add_argument("--images", required=True, help="EXR to write: a part each variant")
+    for kind in (recovery, timing, surfaces, compare):
+        kind.add_argument("-o", "--output", required=True, help="CSV to write")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Make the table, and write it."""
+    a = arguments
+    match a.kind:
+        case "recovery":
+            nodes = dupuy2015.TABLE_1_NODES, dupuy2015.MERL_NODES
+            table = study.recovery(nodes, ROUGHNESS)
+            printed = (table.surface == "beckmann") & (table.nodes == dupuy2015.TABLE_1_NODES)
+            table["published_error"] = table.alpha.map(dupuy2015.BACKSCATTER_ERROR).where(printed)
+        case "timing":
+            table = study.timing(NODES, a.repeats)
+        case "surfaces":
+            table = study.surfaces({Path(path).stem: _fit(path) for path in a.fits})
+        case "delta-e":
+            images, table = delta_e.mean_images(a.measured, _folders(a.fits), a.materials)
+            write_exr_parts(a.images, {name: _part(image) for name, image in images.items()})
+    tables.write(a.output, table)
+
+
+def _fit(path: str) -> fits.Fit:
+    fit = fits.load(path)
+    if fit.model != "power-iteration":
+        raise NpfmError(f"{path}: a fit of '{fit.model}'; give fits of power-iteration")
+    return fit
+
+
+def _folders(arguments: list[str]) -> dict[str, str]:
+    if wrong := [argument for argument in arguments if "=" not in argument]:
+        raise NpfmError(f"'{wrong[0]}' has no '='; name the variant, as in ggx=renders/A")
+    return dict(argument.split("=", 1) for argument in arguments)
+
+
+def _part(image: np.ndarray) -> np.ndarray:
+    """Return the image in all three channels, and where the objects are as alpha."""
+    inside = np.isfinite(image)
+    return np.dstack([np.where(inside, image, 0.0)] * 3 + [inside])

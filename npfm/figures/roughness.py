@@ -1,0 +1,75 @@
+"""Materials made smoother and rougher: slopes stretched, all else as it was fitted."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+
+from npfm.errors import NpfmError
+from npfm.evaluation import tables
+from npfm.figures import style
+from npfm.figures.renderings import corner_label, sheet, show
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the figure is made from."""
+    add = parser.add_argument
+    add("--pictures", required=True, help="folder with <material>/<factor>.png")
+    add("--materials", nargs="+", required=True, help="rows")
+    add("--factors", nargs="+", required=True, help="columns, as their files are named")
+    add("--surfaces", required=True, help="CSV made by power-iterations surfaces")
+
+
+def make(arguments: argparse.Namespace) -> Figure:
+    """Draw the figure from the pictures and the table that the arguments name."""
+    a = arguments
+    table = tables.read(a.surfaces, ["material", "resolved"], ["alpha_ggx"])
+    return draw(a.pictures, a.materials, a.factors, table)
+
+
+def draw(
+    pictures: str | Path, materials: Sequence[str], factors: Sequence[str], surfaces: pd.DataFrame
+) -> Figure:
+    """Draw a row of pictures for each material, with its roughness in a corner if that is known.
+
+    Parameters
+    ----------
+    pictures : str or Path
+        Folder with ``<material>/<factor>.png``.
+    materials, factors : sequence of str
+        Rows and columns.
+    surfaces : DataFrame
+        Columns material, alpha_ggx and resolved, which is ``True`` or ``False``.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    NpfmError
+        If a picture is missing.
+    """
+    rows = surfaces.set_index("material")
+    with style.context():
+        figure, axes = sheet(len(materials), len(factors), 0.0)
+        for line, material in zip(axes, materials, strict=True):
+            for ax, factor in zip(line, factors, strict=True):
+                path = Path(pictures) / material / f"{factor}.png"
+                if not path.is_file():
+                    raise NpfmError(f"{path}: no such picture; make it with npfm render")
+                show(ax, imread(path))
+                corner_label(ax, _roughness(rows.loc[material], float(factor)))
+            line[0].set_ylabel(material, labelpad=2)
+        for ax, factor in zip(axes[0], factors, strict=True):
+            ax.set_title("as fitted" if float(factor) == 1 else f"slopes x {factor}", pad=3)
+    return figure
+
+
+def _roughness(surface: pd.Series, factor: float) -> str:
+    if surface.resolved != "True":
+        return "$\\alpha$ not resolved"
+    return f"$\\alpha$ {surface.alpha_ggx * factor:.2g}"
