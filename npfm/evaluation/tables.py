@@ -19,7 +19,6 @@ from npfm.evaluation.comparison import decibels_and_gaps
 from npfm.evaluation.metrics import mean_db
 from npfm.fitting.factors.smith import diffuseness
 from npfm.fitting.fits import ChannelRecord, load, load_record
-from npfm.papers import bagher2016
 from npfm.storage.files import Kind, marked, replacing
 
 #: Values are kept to six digits: enough for any of the tables, and the same on every machine.
@@ -250,13 +249,15 @@ def materials(run: str | Path, names: Sequence[str]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["material", "diffuseness"])
 
 
-def summary(psnr: pd.DataFrame, sizes: pd.DataFrame) -> pd.DataFrame:
+def summary(psnr: pd.DataFrame, sizes: pd.DataFrame, paper: Mapping[str, float]) -> pd.DataFrame:
     """Average the PSNR of each variant over materials, and compare with the paper's.
 
     Parameters
     ----------
     psnr, sizes : DataFrame
         As `psnr` and `sizes` make them.
+    paper : mapping of str to float
+        The averages that the paper prints, in dB, by variant.
 
     Returns
     -------
@@ -283,58 +284,8 @@ def summary(psnr: pd.DataFrame, sizes: pd.DataFrame) -> pd.DataFrame:
     order = {name: rank for rank, name in enumerate(sizes["variant"])}
     table = table.sort_values("variant", key=lambda names: names.map(order), kind="stable")
     table = table.merge(sizes, on="variant", how="left")
-    paper = table["variant"].map(bagher2016.MEAN_PSNR_DB)
-    return table.assign(paper_psnr_db=paper.where(table["scene"] == "all"))
-
-
-def table1(fits: pd.DataFrame) -> pd.DataFrame:
-    """Our fitting statistics over all materials, beside Table I of the paper.
-
-    Ours are of a material, its channels and starts together. As in the paper, whose minimum is 1
-    though not all materials invoke it, the golden-section calls are counted over those materials
-    that invoke it at all.
-
-    Parameters
-    ----------
-    fits : DataFrame
-        As `fits` makes it.
-
-    Returns
-    -------
-    DataFrame
-        One row a technique and source.
-    """
-    columns = ["seconds", "iterations", "gss_calls"]
-    ours = fits.groupby(["variant", "material"], sort=False)[columns].sum()
-    rows = []
-    for technique in dict.fromkeys([*bagher2016.TABLE_I, *fits["variant"]]):
-        if technique in ours.index:
-            row = _statistics(ours.loc[technique])
-            rows.append({"technique": technique, "source": "ours", **row})
-        if technique in bagher2016.TABLE_I:
-            row = _table1_row(bagher2016.TABLE_I[technique], bagher2016.TABLE_I_MATERIALS)
-            source = f"paper ({bagher2016.SOURCE}, Table I)"
-            rows.append({"technique": technique, "source": source, **row})
-    return pd.DataFrame(rows)
-
-
-def _statistics(materials: pd.DataFrame) -> dict:
-    invoking = materials["gss_calls"][materials["gss_calls"] > 0]
-    counted = {
-        "seconds": materials["seconds"],
-        "iterations": materials["iterations"],
-        "gss_calls": invoking if len(invoking) else [0],
-    }
-    ranges = {key: (np.min(v), np.mean(v), np.max(v)) for key, v in counted.items()}
-    return _table1_row(ranges | {"materials_invoking_gss": len(invoking)}, len(materials))
-
-
-def _table1_row(entry: Mapping, materials: int) -> dict:
-    row = {"materials": materials}
-    for quantity in ("seconds", "iterations", "gss_calls"):
-        for statistic, value in zip(("min", "avg", "max"), entry[quantity], strict=True):
-            row[f"{quantity}_{statistic}"] = float(value)
-    return row | {"materials_invoking_gss": entry["materials_invoking_gss"]}
+    printed = table["variant"].map(paper)
+    return table.assign(paper_psnr_db=printed.where(table["scene"] == "all"))
 
 
 def _fit_path(run: str | Path, variant: str, material: str) -> Path:

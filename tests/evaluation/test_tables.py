@@ -9,9 +9,12 @@ from npfm.errors import NpfmError
 from npfm.evaluation import tables
 from npfm.fitting.fits import ChannelRecord, Fit, Trace, save
 from npfm.papers import bagher2016
+from npfm.papers.table1 import table1
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import CHANNELS
 from npfm.storage.pictures import write_exr
+
+PAPER = bagher2016.MEAN_PSNR_DB
 
 GRID = HalfDifference(30, 10, 6)
 SCENES, MATERIALS, VARIANTS = ["B", "A"], ["felt", "chrome"], ["naive", "bivariate"]
@@ -98,7 +101,7 @@ def test_a_black_material_is_a_gap_with_its_reason_and_others_keep_their_tables(
     assert (rows["gap"] != "").sum() == len(gaps)
     again = tables.read_psnr(written(tmp_path / "psnr.csv", table))
     assert again["psnr_db"].isna().sum() == len(gaps)
-    summary = tables.summary(again, tables.sizes(run, again)).set_index(["variant", "scene"])
+    summary = tables.summary(again, tables.sizes(run, again), PAPER).set_index(["variant", "scene"])
     naive = summary.loc[("naive", "A")]
     assert (naive["materials"], naive["exact"], naive["gaps"]) == (1, 0, 1)
     assert naive["mean_psnr_db"] == pytest.approx(20, abs=1e-4)
@@ -131,7 +134,7 @@ def test_what_is_missing_has_no_row(run):
     assert list(zip(table["material"], table["variant"], strict=True)) == pairs
     fits = tables.fits(run, MATERIALS, VARIANTS, missing)
     assert list(zip(fits["material"], fits["variant"], strict=True))[::3] == pairs
-    summary = tables.summary(table, tables.sizes(run, table)).set_index(["variant", "scene"])
+    summary = tables.summary(table, tables.sizes(run, table), PAPER).set_index(["variant", "scene"])
     assert summary["materials"].to_dict() == {
         ("bivariate", "A"): 2,
         ("bivariate", "all"): 2,
@@ -178,7 +181,7 @@ def test_summary_averages_over_materials_then_over_everything(run):
     listed = tables.psnr(run, ["A"], MATERIALS, ["bivariate", "naive"])
     sizes = tables.sizes(run, listed)
     assert sizes.values.tolist() == [["bivariate", 150, 600], ["naive", 90, 360]]
-    table = tables.summary(psnr, sizes)
+    table = tables.summary(psnr, sizes, PAPER)
     assert ",".join(table) == (
         "variant,scene,materials,mean_psnr_db,median_psnr_db,exact,gaps,parameters,bytes,"
         "paper_psnr_db"
@@ -194,7 +197,7 @@ def test_summary_averages_over_materials_then_over_everything(run):
 
 
 def test_table1_is_per_material_and_stands_beside_the_paper(run):
-    table = tables.table1(tables.fits(run, MATERIALS, VARIANTS))
+    table = table1(tables.fits(run, MATERIALS, VARIANTS))
     assert list(zip(table["technique"], table["source"].str[:5], strict=True)) == [
         ("independent-g", "paper"),
         ("g-from-d", "paper"),
