@@ -106,7 +106,10 @@ def _warnings_in_one_line(verb: str) -> Iterator[None]:
 def main(arguments: list[str] | None = None) -> int:
     """Run a verb; return the exit code (1 for a mistake in the input, told in one line)."""
     arguments = sys.argv[1:] if arguments is None else arguments
-    parser = _Parser(prog="python -m npfm", description=__doc__.split("\n")[0])
+    # A list that is too long for a command line is in a file, a word a line: @file.
+    parser = _Parser(
+        prog="python -m npfm", description=__doc__.split("\n")[0], fromfile_prefix_chars="@"
+    )
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="verb")
     for verb, summary in VERBS.items():
         chosen = verbs.add_parser(
