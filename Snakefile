@@ -10,7 +10,7 @@ from npfm.run.provenance import digest
 from npfm.run.words import as_input, option, path_word, words
 
 
-configfile: "config.yaml"
+configfile: f"{workflow.basedir}/config.yaml"
 
 
 report: "workflow/report/workflow.rst"

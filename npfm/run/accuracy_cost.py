@@ -101,15 +101,14 @@ class Plan:
     @property
     def scene(self) -> str:
         """Name of the scene whose sampling is examined."""
-        return self.run.config["accuracy_cost"]["scene"]
+        return self.run.config["accuracy_cost"].get("scene", self.run.scenes[0])
 
     def scene_options(self, build: str) -> list[str]:
         """Arguments of ``npfm scene`` for the last part of the name of a scene folder.
 
         The reference has other random numbers than what is compared with it.
         """
-        seed = 2 if build == "reference" else 1
-        return [*self._scene_run(build).scene_options(self.scene), "--seed", f"{seed}"]
+        return self._scene_run(build).scene_options(self.scene)
 
     def scene_code(self, build: str) -> str:
         """Digest of the code that builds a scene folder."""
@@ -122,8 +121,10 @@ class Plan:
         if build == "reference":
             name, samples = "combined", asked["reference_samples"]
         described = self.run.config["scenes"][self.scene]
+        seed = described.get("seed", 1) + (build == "reference")
         sampling = described.get("sampling", {}) | {"strategies": SAMPLINGS[name]}
-        scenes = {self.scene: described | {"samples": samples, "sampling": sampling}}
+        changed = {"samples": samples, "seed": seed, "sampling": sampling}
+        scenes = {self.scene: described | changed}
         changes = {"resolution": asked["resolution"], "scenes": scenes}
         return replace(self.run, config={**self.run.config, **changes})
 
@@ -163,8 +164,8 @@ def _stages(config: Mapping[str, Any]) -> dict[str, dict[str, dict]]:
         models |= _by_solver(entry, config["accuracy_cost"]["awls_iterations"])
     return {
         "model": models,
-        "starts": {str(n): _fast({"starts": n}) for n in STARTS},
-        "tolerance": {f"{t:.0e}": _fast({"tolerance": t}) for t in TOLERANCES},
+        "starts": {str(n): _fast(starts=n) for n in STARTS},
+        "tolerance": {f"{t:.0e}": _fast(solver={"tolerance": t}) for t in TOLERANCES},
     }
 
 
@@ -183,5 +184,5 @@ def _by_solver(entry: dict, awls_iterations: int) -> dict[str, dict]:
     }
 
 
-def _fast(solver: dict) -> dict:
-    return {"model": MODEL, "solver": {"method": "gauss-newton", **solver}}
+def _fast(solver: Mapping[str, Any] | None = None, **own: int) -> dict:
+    return {"model": MODEL, "solver": {"method": "gauss-newton", **(solver or {})}, **own}

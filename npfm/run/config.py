@@ -16,7 +16,7 @@ from npfm.rendering.scenes import STRATEGIES, Scene
 from npfm.run.entries import Variant, missing_fits, read_variants
 from npfm.run.names import check_names
 from npfm.run.provenance import digest
-from npfm.run.schema import check_schema
+from npfm.run.schema import check_schema, settled
 from npfm.run.words import as_input, option, path_word
 
 
@@ -27,7 +27,7 @@ class Run:
     Parameters
     ----------
     config : mapping
-        The configuration as Snakemake merged it.
+        What is left of the one that Snakemake merged (`npfm.run.schema.settled`).
     materials : tuple of str
         Names of the materials, sorted.
     variants : dict of str to Variant
@@ -112,7 +112,8 @@ class Run:
         """Arguments of ``npfm material`` for a material."""
         dataset = self.config["dataset"]
         if dataset["kind"] == "synthetic":
-            return ["--synthetic", name]
+            seed = ["--seed", f"{dataset['seed']}"] if "seed" in dataset else []
+            return ["--synthetic", name, *seed]
         url = ["--url", dataset["url"]] if "url" in dataset else []
         path = path_word(self.user_file(dataset["path"]))
         return [f"--{dataset['kind']}", name, "--from", path, *url]
@@ -189,6 +190,7 @@ class Run:
             *(["--mesh", path_word(self.user_file(mesh))] if mesh else []),
             *("--resolution", f"{self.config['resolution']}"),
             *("--samples", f"{described['samples']}"),
+            *(["--seed", f"{described['seed']}"] if "seed" in described else []),
             *option("--sampling", sampled.get("strategies", [])),
             *(["--power", f"{sampled['power']}"] if "power" in sampled else []),
         ]
@@ -201,8 +203,13 @@ class Run:
 
 
 def prefer_this_python() -> None:
-    """Let jobs find the Python that runs the workflow first, its environment active or not."""
-    os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    """Let jobs find the Python and the npfm that run the workflow, wherever they run it."""
+    for variable, folder in (
+        ("PATH", Path(sys.executable).parent),
+        ("PYTHONPATH", Path(__file__).parents[2]),
+    ):
+        others = os.environ.get(variable)
+        os.environ[variable] = os.pathsep.join([str(folder), *([others] if others else [])])
 
 
 def check(config: Mapping[str, Any]) -> Run:
@@ -211,13 +218,14 @@ def check(config: Mapping[str, Any]) -> Run:
     Parameters
     ----------
     config : mapping
-        The merged configuration.
+        As Snakemake merged it, so that what is laid over another may say ``null``.
 
     Raises
     ------
     NpfmError
         If a key is unknown or missing, a value is not allowed, or a name stands for nothing.
     """
+    config = settled(config)
     check_schema(config)
     check_names([config["name"]], "run")
     check_names(config["lights"], "light")
@@ -241,7 +249,8 @@ def check(config: Mapping[str, Any]) -> Run:
                 f"config: scenes/{scene}/light: unknown light '{described['light']}'; {hint}"
             )
         _check_scene(scene, described)
-    if (scene := config["accuracy_cost"]["scene"]) not in config["scenes"]:
+    scene = config["accuracy_cost"].get("scene")
+    if scene is not None and scene not in config["scenes"]:
         hint = suggest(scene, config["scenes"])
         raise NpfmError(f"config: accuracy_cost/scene: unknown scene '{scene}'; {hint}")
     materials = tuple(select(config["dataset"]["materials"], _available(config)))

@@ -14,6 +14,9 @@ from npfm.fitting.solvers.choice import SOLVERS
 from npfm.run.names import check_names
 from npfm.run.words import path_word
 
+#: What any variant may say, beside the settings that its model declares.
+KEYS = ("name", "model", "objective", "solver")
+
 
 @dataclass(frozen=True)
 class Variant:
@@ -37,6 +40,7 @@ def read_variants(config: Mapping[str, Any]) -> dict[str, Variant]:
     NpfmError
         If a name is taken or outside the pattern, or a model, a solver or a setting is unknown.
     """
+    _check_models(config["models"])
     named: dict[str, Variant] = {}
     for entry in config["variants"]:
         entry = {"name": entry, "model": entry} if isinstance(entry, str) else entry
@@ -90,34 +94,52 @@ def _variant(entry: Mapping[str, Any], model: Model, config: Mapping[str, Any]) 
         *("--model", entry["model"], "--solver", solver["method"]),
         *("--tolerance", f"{solver['tolerance']}"),
         *("--max-iterations", f"{solver['max_iterations']}"),
-        *_own_settings(entry, solver, model),
+        *_own_settings(entry, config["models"], model),
         *(["--published", path_word(published)] if published else []),
         *("--max-angle", f"{objective['max_angle']}"),
         *([] if objective["compressive"] else ["--no-compressive"]),
-        *(["--seed", f"{config['seed']}"] if model.random else []),
+        *(["--seed", f"{solver.get('seed', 1)}"] if model.random else []),
     ]
     return Variant(entry["name"], entry["model"], solver["method"], tuple(options), published)
 
 
-def _own_settings(entry: Mapping[str, Any], solver: Mapping[str, Any], model: Model) -> list[str]:
+def _own_settings(
+    entry: Mapping[str, Any], for_all: Mapping[str, Mapping], model: Model
+) -> list[str]:
     """Arguments of ``npfm fit`` for what the model alone can be told."""
-    known = ["name", "model", "objective", "solver", *model.settings]
-    if unknown := [key for key in entry if key not in known]:
-        hint = suggest(unknown[0], known)
-        raise NpfmError(f"config: variants/{entry['name']}: unknown key '{unknown[0]}'; {hint}")
-    given = {key: {**solver, **entry}.get(key) for key in model.settings}
-    for key, value in given.items():
-        words, where = model.settings[key], f"config: variants/{entry['name']}/{key}"
-        if isinstance(words, str) and not isinstance(value, int | None):
-            raise NpfmError(f"{where}: give a whole number")
-        if not isinstance(words, str) and value is not None and value not in words:
-            raise NpfmError(f"{where}: unknown {key} '{value}'; {suggest(str(value), words)}")
+    where = f"variants/{entry['name']}"
+    own = {key: value for key, value in entry.items() if key not in KEYS}
+    _check_settings(own, model, where, KEYS)
+    given = {**for_all.get(entry["model"], {}), **own}
     return [
-        word
-        for key, value in given.items()
-        if value is not None
-        for word in (f"--{key}", f"{value}")
+        word for key in model.settings if key in given for word in (f"--{key}", f"{given[key]}")
     ]
+
+
+def _check_models(for_all: Mapping[str, Mapping]) -> None:
+    """Check the settings that stand for all variants of a model."""
+    for name, given in for_all.items():
+        try:
+            model = registry.declared(name)
+        except NpfmError as error:
+            raise NpfmError(f"config: models: {error}") from error
+        _check_settings(given, model, f"models/{name}", ())
+
+
+def _check_settings(
+    given: Mapping[str, Any], model: Model, where: str, others: Sequence[str]
+) -> None:
+    for key, value in given.items():
+        if key not in model.settings:
+            hint = suggest(key, [*others, *model.settings])
+            raise NpfmError(f"config: {where}: unknown key '{key}'; {hint}")
+        words = model.settings[key]
+        if not isinstance(words, str) and value not in words:
+            hint = suggest(str(value), words)
+            raise NpfmError(f"config: {where}/{key}: unknown {key} '{value}'; {hint}")
+        # True and False are whole numbers to Python, and to nobody else.
+        if isinstance(words, str) and (isinstance(value, bool) or not isinstance(value, int)):
+            raise NpfmError(f"config: {where}/{key}: give a whole number")
 
 
 def _published_file(model: Model, config: Mapping[str, Any]) -> str | None:

@@ -62,11 +62,12 @@ def test_a_variant_may_have_settings_of_its_own():
 
 def test_only_models_that_have_a_rank_or_starts_are_told_them():
     wide = {"name": "wide", "model": "low-rank-b", "rank": 8}
-    fewer = {"name": "fewer", "model": "independent-g", "solver": {"starts": 3}}
-    run = check(configured(variants=["naive", "low-rank-b", wide, fewer]))
+    fewer = {"name": "fewer", "model": "independent-g", "starts": 3}
+    run = check(configured(variants=["naive", "low-rank-b", "independent-g", wide, fewer]))
     options = {name: " ".join(variant.options) for name, variant in run.variants.items()}
     assert "--rank 8" in options["wide"]
     assert "--starts 3" in options["fewer"]
+    assert "--starts 8" in options["independent-g"]
     told = options["naive"] + options["low-rank-b"]
     assert "--rank" not in told and "--starts" not in told
 
@@ -132,7 +133,24 @@ def test_an_absent_or_bad_published_file_is_told(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"seeed": 1}, r"unknown key 'seeed'; did you mean seed"),
+        ({"lihgts": {}}, r"unknown key 'lihgts'; did you mean lights"),
+        ({"seed": 1}, r"config: seed: the seed of random starts is solver: \{seed: N\}; "),
+        ({"solver": {"starts": 2}}, r"solver/starts: .*: models: \{independent-g: \{starts: N\}\}"),
+        (
+            {"variants": [{"name": "n", "model": "independent-g", "solver": {"starts": 2}}]},
+            r"variants/solver/starts: .* stands beside it",
+        ),
+        ({"models": {"niave": {}}}, r"models: unknown model 'niave'; did you mean naive"),
+        ({"models": {"naive": {"rank": 2}}}, r"models/naive: unknown key 'rank'"),
+        ({"models": {"low-rank-b": {"rank": True}}}, r"models/low-rank-b/rank: give a whole"),
+        (
+            {"variants": [{"name": "n", "model": "low-rank-b", "rank": True}]},
+            r"n/rank: give a whole",
+        ),
+        ({"resolution": True}, r"resolution: True is not of type 'integer'"),
+        ({"scenes": {"A": {"gamma": True}}}, r"scenes/A/gamma: True is not of type 'number'"),
+        ({"scenes": None}, r"'scenes' is a required property"),
+        ({"scenes": dict.fromkeys("ABCD")}, r"scenes: \{\} should be non-empty"),
         ({"solver": {"metod": "awls"}}, r"solver: unknown key 'metod'; did you mean method"),
         ({"solver": {"method": "newton"}}, r"unknown solver 'newton'; did you mean gauss-newton"),
         ({"variants": ["niave"]}, r"unknown model 'niave'; did you mean naive"),
@@ -189,6 +207,36 @@ def test_a_material_that_no_command_can_name_is_to_be_renamed_where_it_is(tmp_pa
         check(configured(data=str(tmp_path), dataset=dataset))
     said = f"config: the material '{name}': {NAMES_ARE}; rename '{name}.{suffix}' in "
     assert str(caught.value) == f"{said}{tmp_path / path}"
+
+
+def test_null_takes_an_entry_out_of_what_a_preset_is_laid_over():
+    changes = {"scenes": {"A": None, "B": None, "D": None}, "models": {"independent-g": None}}
+    run = check(configured(**changes, published_factors=None))
+    assert run.scenes == ("C",)
+    assert "--starts" not in run.variants["independent-g"].options
+    assert run.published_factors == []
+
+
+def test_a_file_takes_the_place_of_a_light_that_was_generated():
+    probe = {"file": "probe.hdr", "layout": "angular-map"}
+    run = check(configured(lights={"cathedral": probe}))
+    assert run.light_inputs("cathedral") == ["data/probe.hdr"]
+    assert "--generate" not in run.light_options("cathedral")
+    back = merged(
+        configured(lights={"cathedral": probe}), {"lights": {"cathedral": dict.fromkeys(probe)}}
+    )
+    with pytest.raises(NpfmError, match="lights/cathedral needs either"):
+        check(merged(back, {"lights": {"cathedral": {"generate": None}}}))
+    assert check(back).light_options("cathedral") == check(DEFAULT).light_options("cathedral")
+
+
+def test_each_seed_stands_with_what_is_random():
+    run = check(configured(dataset={"seed": 2}, scenes={"A": {"seed": 3}}, solver={"seed": 4}))
+    assert run.material_options("chalk")[-2:] == ["--seed", "2"]
+    assert run.scene_options("A")[-2:] == ["--seed", "3"]
+    assert run.variants["low-rank-b"].options[-2:] == ("--seed", "4")
+    assert "--seed" not in run.variants["naive"].options
+    assert "--seed" not in run.scene_options("B")
 
 
 def test_a_scene_of_its_own_needs_nothing_but_config():

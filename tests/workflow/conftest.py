@@ -13,12 +13,12 @@ ROOT = Path(__file__).parents[2]
 SCENE = {"objects": ["sphere"], "effects": [], "samples": 64, "exposure": 0.02, "gamma": 2.2}
 CONFIG = {
     "name": "tiny",
-    "seed": 1,
     "data": "data",
     "published_fits": "published_fits",
     "dataset": {"kind": "synthetic", "materials": ["chalk"]},
     "objective": {"compressive": True, "max_angle": 89.0},
-    "solver": {"method": "gauss-newton", "tolerance": 1e-3, "max_iterations": 5, "starts": 8},
+    "solver": {"method": "gauss-newton", "tolerance": 1e-3, "max_iterations": 5, "seed": 1},
+    "models": {"independent-g": {"starts": 8}},
     "variants": [
         "bivariate",
         "naive",

@@ -81,7 +81,7 @@ def test_another_seed_fits_again_what_starts_at_random(project):
     project.configure(**chosen)
     run = project.snakemake(*targets)
     assert run.returncode == 0, run.stderr
-    project.configure(**chosen, seed=2)
+    project.configure(**chosen, solver=project.config["solver"] | {"seed": 2})
     assert project.planned(*targets) == fits("independent-g")
     assert project.planned("results/tiny/scenes/A", "results/tiny/materials/chalk.binary") == set()
 
