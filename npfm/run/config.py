@@ -103,8 +103,10 @@ class Run:
             case "neural":
                 return [as_input(self.user_file(dataset["path"]))]
             case "merl":
+                # With a url, the same before and after a download; whoever reads the table sees a
+                # change of the file through the link.
                 file = Path(self.user_file(dataset["path"])) / f"{name}.binary"
-                return [as_input(str(file))] if file.exists() or "url" not in dataset else []
+                return [] if "url" in dataset else [as_input(str(file))]
             case _:
                 return []
 

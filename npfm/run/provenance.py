@@ -9,7 +9,9 @@ import hashlib
 import importlib.metadata
 from collections.abc import Iterable, Iterator
 from functools import cache
+from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 PACKAGE = Path(__file__).parents[1]
 #: Libraries whose versions can change results: of all code, and of that which imports them.
@@ -30,8 +32,9 @@ def digest(entries: tuple[str, ...], alone: tuple[str, ...] = ()) -> str:
     Returns
     -------
     str
-        Hexadecimal. Docstrings, comments and layout do not matter to it; the versions of numpy
-        and scipy do, and those of numba and tensorly where they are imported.
+        Hexadecimal. Docstrings, comments, layout, the wording of what is raised and the version of
+        Python do not matter to it; the versions of numpy and scipy do, and those of numba and
+        tensorly where they are imported.
     """
     modules = sorted(closure(entries) | set(alone))
     imported = {name.split(".")[0] for module in modules for name in _named(module)}
@@ -77,7 +80,7 @@ def _file(module: str) -> Path | None:
 
 @cache
 def _tree(module: str) -> ast.Module:
-    return ast.parse(_file(module).read_text())
+    return ast.parse(_file(module).read_text("utf-8"))
 
 
 def _imports_by_name(module: str) -> bool:
@@ -111,11 +114,50 @@ def _absolute(module: str, node: ast.ImportFrom) -> str:
 
 @cache
 def _syntax(module: str) -> str:
-    """Syntax tree of a module without docstrings, as text."""
-    tree = ast.parse(ast.unparse(_tree(module)))
-    for node in ast.walk(tree):
-        body = getattr(node, "body", None)
-        documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
-        if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None:
-            node.body = body[1:]
-    return ast.dump(tree)
+    """What the code of a module says, as text."""
+    return " ".join(_said(_tree(module)))
+
+
+def _said(node: ast.AST, raised: bool = False) -> Iterator[str]:
+    """Words that say what a syntax tree does, the same whichever version of Python parsed it.
+
+    Versions differ in how they print a tree and in the fields that they leave empty: so these are
+    our own words, and nothing is said of what is empty. Nor is anything of docstrings, and of text
+    in a ``raise``, `raised` below one: no output depends on the wording of a complaint.
+    """
+    raised = raised or isinstance(node, ast.Raise)
+    if raised and _is_text(node):
+        return
+    yield f"({type(node).__name__}"
+    for name, value in sorted(ast.iter_fields(node)):
+        if name in ("ctx", "kind", "type_comment") or value is None or value == []:
+            continue
+        yield f"{name}="
+        for part in _parts(node, name, value):
+            if isinstance(part, ast.AST):
+                yield from _said(part, raised)
+            else:
+                yield f"{type(part).__name__}:{part!a}"
+    yield ")"
+
+
+def _parts(node: ast.AST, name: str, value: Any) -> list[Any]:
+    """Values of a field: without a docstring, and with the text of an f-string in one piece."""
+    parts = value if isinstance(value, list) else [value]
+    documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
+    if name == "body" and isinstance(node, documented):
+        return parts[1:] if ast.get_docstring(node, clean=False) is not None else parts
+    if isinstance(node, ast.JoinedStr):
+        runs = groupby(parts, key=lambda part: isinstance(part, ast.Constant))
+        return [x for text, run in runs for x in (_joined(run) if text else run)]
+    return parts
+
+
+def _joined(constants: Iterable[ast.Constant]) -> list[str]:
+    text = "".join(constant.value for constant in constants)
+    return [text] if text else []
+
+
+def _is_text(node: ast.AST) -> bool:
+    plain = isinstance(node, ast.Constant) and isinstance(node.value, str)
+    return plain or isinstance(node, ast.JoinedStr)

@@ -1,5 +1,8 @@
 import ast
+import os
 import shutil
+import subprocess
+import sys
 
 import pytest
 
@@ -80,6 +83,61 @@ def test_code_changes_what_imports_it_and_nothing_else(copied):
     file.write_text(file.read_text().replace("SMALLEST = 1e-12", "SMALLEST = 1e-13"))
     after = [digest(module) for module in modules]
     assert [a == b for a, b in zip(before, after, strict=True)] == [False, False, True]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "same"),
+    [
+        ('raise ValueError("this")', 'raise ValueError("that")', True),
+        ('raise ValueError(f"{x} is wrong")', 'raise ValueError(f"wrong: {x}" "!")', True),
+        ("raise ValueError('this')", "raise TypeError('this')", False),
+        ("raise ValueError(x)", "raise ValueError(y)", False),
+        ("print('this')", "print('that')", False),
+        ("x = f'a{y}'", "x = f'b{y}'", False),
+        ("x = f'a{y}'", "x = f'a{z}'", False),
+        ("x = f'a{y}'", 'x = "" f"a{y}" f""', True),
+        ("x = ''", "x = None", False),
+        ("x = 1", "x = True", False),
+        ("x = 1", "x = 1.0", False),
+        ("def f(): pass", "async def f(): pass", False),
+        ("x = [1, [2]]", "x = [1, 2]", False),
+        ("def f(): 'text'", "def f(): 'other text'", True),
+        ("f(a=1)", "f(b=1)", False),
+        ("x = u'a'", "x = 'a'", True),
+        ("return_ = {**x}", "return_ = {x: None}", False),
+    ],
+)
+def test_what_counts_as_the_same_code(old, new, same):
+    said = [" ".join(provenance._said(ast.parse(code))) for code in (old, new)]
+    assert (said[0] == said[1]) == same
+
+
+def test_fields_that_a_version_has_or_fills_in_change_nothing():
+    """Python 3.12 gave functions the field type_params, and splits f-strings otherwise."""
+    [function] = ast.parse("def f(a): return f'x{a}yz'").body
+    before = list(provenance._said(function))
+    function._fields = (*function._fields, "added")
+    function.added = []
+    text = function.body[0].value
+    text.values = [ast.Constant(""), *text.values[:-1], ast.Constant("y"), ast.Constant("z")]
+    assert list(provenance._said(function)) == before
+
+
+def test_every_python_on_the_machine_says_the_same_of_all_code():
+    code = (
+        "from npfm.run import provenance as p;"
+        "files = (f.relative_to(p.PACKAGE.parent) for f in sorted(p.PACKAGE.rglob('*.py')));"
+        "names = ('.'.join(f.with_suffix('').parts) for f in files if f.stem != '__init__');"
+        "print(p.hashlib.sha256(' '.join(map(p._syntax, names)).encode()).hexdigest())"
+    )
+    others = (shutil.which(f"python3.{minor}") for minor in range(11, 16))
+    pythons = [sys.executable, *filter(None, others)]
+    environment = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
+    runs = [
+        subprocess.run([python, "-c", code], env=environment, capture_output=True, text=True)
+        for python in pythons
+    ]
+    assert len({run.stdout for run in runs if run.returncode == 0}) == 1
 
 
 def test_a_library_version_changes_the_digest(monkeypatch):

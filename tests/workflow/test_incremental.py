@@ -1,7 +1,10 @@
 """What a change reruns, on the real Snakefile: the table in docs/reruns.md, row by row."""
 
+import functools
+import http.server
 import os
 import shutil
+import threading
 
 #: Other figures of the paper: test_paper_figures.py.
 TARGETS = (
@@ -47,6 +50,11 @@ def test_a_comment_or_a_docstring_reruns_nothing(project):
     project.edit(
         "npfm/rendering/transport.py", "import numpy as np\n", "import numpy as np  # a comment\n"
     )
+    assert project.planned() == set()
+
+
+def test_the_wording_of_a_complaint_reruns_nothing(project):
+    project.edit("npfm/fitting/objective.py", " channel has entries", " channel holds entries")
     assert project.planned() == set()
 
 
@@ -121,3 +129,25 @@ def test_the_same_bytes_copied_again_rerun_nothing(project):
 def test_a_lost_table_is_made_again_and_nothing_before_it(project):
     (project.folder / "results/tiny/tables/psnr.csv").unlink()
     assert project.planned(*TARGETS) == GATHERED
+
+
+def test_a_download_makes_nothing_again(project, tmp_path):
+    served = tmp_path / "served"
+    served.mkdir()
+    shutil.copy(project.folder / "results/tiny/materials/chalk.binary", served / "brass.binary")
+    handler = functools.partial(http.server.SimpleHTTPRequestHandler, directory=str(served))
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever).start()
+        url = f"http://127.0.0.1:{server.server_port}/{{name}}.binary"
+        dataset = {"kind": "merl", "path": "brdfs", "url": url, "materials": ["brass"]}
+        project.configure(data="", dataset=dataset)
+        fit = "results/tiny/fits/bivariate/brass.npz"
+        run = project.snakemake(fit)
+        server.shutdown()
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert (project.folder / "brdfs/brass.binary").is_file()
+    assert project.planned(fit) == set()
+    with (project.folder / "brdfs/brass.binary").open("r+b") as file:
+        file.seek(10_000)
+        file.write(b"changed!")
+    assert project.planned(fit) == fits("bivariate", material="brass")
