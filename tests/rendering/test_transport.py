@@ -295,6 +295,9 @@ def test_a_folder_that_names_no_kind_of_grid_is_on_half_difference(tmp_path):
     save(tmp_path / "scene", build(SPHERE, WHITE, SMALL, 8, 8, 0))
     (tmp_path / "scene" / "grid_kind.npy").unlink()
     assert load(tmp_path / "scene").grid == SMALL
+    # It is a scene for all that, which another may replace.
+    save(tmp_path / "scene", build(SPHERE, WHITE, SMALL, 8, 8, 0))
+    assert (tmp_path / "scene" / "grid_kind.npy").exists()
 
 
 def test_a_folder_on_an_unknown_kind_of_grid_is_refused(tmp_path):
