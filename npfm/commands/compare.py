@@ -36,11 +36,9 @@ def run(arguments: argparse.Namespace) -> None:
     names = [Path(path).stem for path in paths]
     if len(set(names)) < len(names):
         names = paths
-    if arguments.output:
-        distinct(names)
     values = decibels(arguments.reference, arguments.pictures)
     if arguments.output:
-        parts = {name: read_exr(path) for name, path in zip(names, paths, strict=True)}
+        parts = dict(zip(distinct(names), map(read_exr, paths), strict=True))
         write_exr_parts(arguments.output, parts)
     width = max(map(len, [*names, "picture"]))
     print(f"{'picture':{width}}  psnr_db")

@@ -6,12 +6,14 @@ from pathlib import Path
 import numpy as np
 
 from npfm.commands.numbers import whole
+from npfm.commands.outputs import output
 from npfm.errors import NpfmError
 from npfm.evaluation import delta_e, tables
 from npfm.evaluation import power_iterations as study
 from npfm.fitting import fits
 from npfm.papers import dupuy2015
-from npfm.storage.pictures import write_exr_parts
+from npfm.storage.names import distinct
+from npfm.storage.pictures import EXR, write_exr_parts
 
 EXAMPLE = """\
 examples:
@@ -51,9 +53,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="folder of the pictures of a scene that has those of the variant",
     )
     compare.add_argument("--materials", nargs="+", required=True, help="names")
-    compare.add_argument("--images", required=True, help="EXR to write: a part each variant")
+    compare.add_argument(
+        "--images", type=output(EXR), required=True, help="EXR to write: a part each variant"
+    )
     for kind in (recovery, timing, surfaces, compare):
-        kind.add_argument("-o", "--output", required=True, help="CSV to write")
+        kind.add_argument(
+            "-o", "--output", type=output(tables.TABLE), required=True, help="CSV to write"
+        )
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -68,11 +74,13 @@ def run(arguments: argparse.Namespace) -> None:
         case "timing":
             table = study.timing(NODES, a.repeats)
         case "surfaces":
-            table = study.surfaces({Path(path).stem: _fit(path) for path in a.fits})
+            names = distinct(Path(path).stem for path in a.fits)
+            table = study.surfaces(dict(zip(names, map(_fit, a.fits), strict=True)))
         case "delta-e":
             images, table = delta_e.mean_images(a.measured, _folders(a.fits), a.materials)
-            write_exr_parts(a.images, {name: _part(image) for name, image in images.items()})
     tables.write(a.output, table)
+    if a.kind == "delta-e":
+        write_exr_parts(a.images, {name: _part(image) for name, image in images.items()})
 
 
 def _fit(path: str) -> fits.Fit:

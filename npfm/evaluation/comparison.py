@@ -80,9 +80,10 @@ def decibels_and_gaps(
 def _check_windows(reference: str | Path, path: str | Path) -> None:
     """Refuse a picture of another place, or with pixels where the reference has none."""
     for what, ours, theirs in zip(
-        ("shows", "has the pixels of"), windows(path), windows(reference), strict=True
+        ("shows", "has the pixels"), windows(path), windows(reference), strict=True
     ):
         if ours != theirs:
             raise NpfmError(
-                f"{path}: {what} {ours}, {reference} {theirs}; compare pictures of one window"
+                f"{path}: cannot be compared with {reference}: it {what} {ours}, "
+                f"the other {theirs}; give pictures of one window"
             )

@@ -24,6 +24,12 @@ CALLS = {
     "fit": ("{made}/chalk.binary --model bivariate -o {out}/a.npz", "a.npz", "a.json"),
     "edit": ("{made}/ggx.npz --roughness 2 -o {out}/a.npz", "a.npz", "a.json"),
     "stability gather": ("{made}/stability.csv -o {out}/a.csv", "a.csv"),
+    "power-iterations delta-e": (
+        "--measured {made}/renders/A --fits bivariate={made}/renders/A --materials chalk"
+        " -o {out}/a.csv --images {out}/a.exr",
+        "a.csv",
+        "a.exr",
+    ),
     "tabulate": ("{made}/chalk.npz -o {out}/a.binary", "a.binary"),
     "texture": ("{made}/fits/independent-g/chalk.npz -o {out}/a.exr", "a.exr"),
     "light": ("--generate grove --height 8 -o {out}/a.exr", "a.exr"),

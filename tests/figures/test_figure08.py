@@ -169,7 +169,10 @@ def test_the_verb_draws_the_same_bytes_again(tmp_path, monkeypatch):
     ("options", "message"),
     [
         (["--order", "diffuseness", "-o", "x.pdf"], "needs --materials"),
-        (["--order", "error", "-o", "x.pdf", "x.jpg"], "x.jpg: a figure is a .pdf or a .png"),
+        (
+            ["--order", "error", "-o", "x.pdf", "x.jpg"],
+            "x.jpg: a figure is written as .pdf or .png",
+        ),
         (
             ["--order", "diffuseness", "--materials", "known.csv", "-o", "x.pdf"],
             "known.csv: no diffuseness of chrome, felt",

@@ -108,8 +108,12 @@ def test_pictures_of_different_places_are_not_compared(tmp_path):
             displayWindow=(c, d),
         )
     for one, other, message in [
-        ("left", "right", r"pixels of 16 x 8 at \(16, 8\), .*left.exr 16 x 8 at \(0, 0\)"),
-        ("whole", "left", r"shows 32 x 16 at \(0, 0\), .*whole.exr 16 x 8"),
+        (
+            "left",
+            "right",
+            r"left.exr: it has the pixels 16 x 8 at \(16, 8\), .* at \(0, 0\)",
+        ),
+        ("whole", "left", r"whole.exr: it shows 32 x 16 at \(0, 0\), the other 16 x 8"),
         ("whole", "moved", r"shows 16 x 8 at \(16, 8\)"),
     ]:
         with pytest.raises(NpfmError, match=message):
