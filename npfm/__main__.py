@@ -127,11 +127,14 @@ def main(arguments: list[str] | None = None) -> int:
         parsed = parser.parse_args(arguments)
         outputs.check(parsed)
         with stopping_cleanly(), _warnings_in_one_line(parsed.verb):
-            _command(parsed.verb).run(parsed)
+            said = _command(parsed.verb).run(parsed)
     except (NpfmError, OSError) as error:
         named = [verb for verb in arguments[:1] if verb in VERBS]
         print(f"{' '.join(['npfm', *named])}: {error}", file=sys.stderr)
         return 1
+    if written := outputs.written(parsed):
+        names = ", ".join(map(str, written))
+        print(f"npfm {parsed.verb}: wrote {names}{f': {said}' if said else ''}", file=sys.stderr)
     return 0
 
 

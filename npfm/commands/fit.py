@@ -1,7 +1,6 @@
 """``npfm fit``."""
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -83,8 +82,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace) -> None:
-    """Fit, and write the fit and its record."""
+def run(arguments: argparse.Namespace) -> str:
+    """Fit, and write the fit and its record; what it came to, in a line."""
     model = registry.declared(arguments.model)
     own = _given(model, arguments)
     settings = SolverSettings(arguments.solver, arguments.tolerance, arguments.max_iterations)
@@ -97,7 +96,7 @@ def run(arguments: argparse.Namespace) -> None:
         except NpfmError as error:
             raise NpfmError(f"{arguments.table}: {error}") from error
     fits.save(arguments.output, fit)
-    print(f"npfm fit: {arguments.output}: {_summary(fit)}", file=sys.stderr)
+    return _summary(fit)
 
 
 def _summary(fit: Fit) -> str:

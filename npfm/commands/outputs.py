@@ -59,17 +59,21 @@ def check(arguments: argparse.Namespace) -> None:
     NpfmError
         If there are such.
     """
-    values = list(_flat(vars(arguments).values()))
-    outputs = [value for value in values if isinstance(value, Output)]
-    written = [Path(path).absolute() for out in outputs for path in (out, *out.beside)]
-    for k, path in enumerate(written):
-        if any(path in (other, *other.parents) for other in (*written[:k], *written[k + 1 :])):
+    places = [path.absolute() for path in written(arguments)]
+    for k, path in enumerate(places):
+        if any(path in (other, *other.parents) for other in (*places[:k], *places[k + 1 :])):
             raise NpfmError(f"{path}: two outputs in one place; give another name to one of them")
-    for value in values:
+    for value in _flat(vars(arguments).values()):
         # As in naive=fits/naive.npz.
         for path in () if isinstance(value, Output) else (value, str(value).partition("=")[2]):
-            if os.path.isfile(path) and any(_same(path, out) for out in written):
+            if os.path.isfile(path) and any(_same(path, out) for out in places):
                 raise NpfmError(f"{path}: an input, and an output; give the output another name")
+
+
+def written(arguments: argparse.Namespace) -> list[Path]:
+    """Return what a verb writes, with what it writes beside it."""
+    outputs = [value for value in _flat(vars(arguments).values()) if isinstance(value, Output)]
+    return [Path(path) for out in outputs for path in (out, *out.beside)]
 
 
 def _flat(values: Iterable) -> Iterator[str | Path]:

@@ -74,8 +74,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace) -> None:
-    """Build the transport matrix."""
+def run(arguments: argparse.Namespace) -> str:
+    """Build the transport matrix; what it came to, in a line."""
     scene = scenes.Scene(tuple(arguments.objects), tuple(arguments.effects), arguments.mesh)
     for warning in scene.warnings:
         print(f"npfm scene: warning: {warning}", file=sys.stderr)
@@ -110,3 +110,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.record:
         with replacing(arguments.record, RECORD) as temporary:
             temporary.write_text(json.dumps(record, indent=1) + "\n")
+    return (
+        f"{record['rays']} shadow rays, {record['nonzeros']} entries, "
+        f"{record['bytes'] / 1e6:.0f} MB, {record['seconds']:.1f} s"
+    )

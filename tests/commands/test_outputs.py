@@ -1,6 +1,7 @@
 """What every verb does to what is already there, and when it is told to stop."""
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -300,3 +301,24 @@ def test_a_signal_that_is_ignored_stays_ignored(folder, tmp_path):
     )
     assert run.returncode == 0, run.stderr
     assert (tmp_path / "a.exr").exists()
+
+
+def test_a_verb_that_worked_says_what_it_wrote(tmp_path, capsys):
+    table, fit, light, scene, picture = (
+        str(tmp_path / name) for name in ("felt.binary", "felt.npz", "l.exr", "scene", "felt.exr")
+    )
+    calls = {
+        f"material --synthetic pink-felt -o {table}": rf"wrote {table}\n",
+        f"fit {table} --model bivariate -o {fit}": (
+            rf"wrote {fit}, {tmp_path}/felt.json: objective 0\.\d+ \(floor 0?.*\), "
+            r"\d\.\d\d s, 97200 bytes, converged\n"
+        ),
+        f"light --generate grove --height 16 -o {light}": rf"wrote {light}\n",
+        f"scene --light {light} --objects sphere --resolution 8 --samples 8 -o {scene}": (
+            rf"wrote {scene}: 0 shadow rays, \d+ entries, \d+ MB, \d+\.\d s\n"
+        ),
+        f"render {scene} {fit} -o {picture}": rf"wrote {picture}, {tmp_path}/felt.png\n",
+    }
+    for call, said in calls.items():
+        assert main(call.split()) == 0
+        assert re.fullmatch(f"npfm {call.split()[0]}: {said}", capsys.readouterr().err)
