@@ -46,6 +46,7 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/reproduction.smk"
 include: "workflow/rules/accuracy_cost.smk"
 include: "workflow/rules/effects_cost.smk"
+include: "workflow/rules/power_iterations.smk"
 include: "workflow/rules/stability.smk"
 
 

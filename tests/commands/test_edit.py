@@ -89,7 +89,7 @@ def test_as_much_light_is_reflected_by_a_smoother_surface(folder):
         ("ggx", "0", "give a number above 0"),
         ("ggx", "-1", "give a number above 0"),
         ("ggx", "rough", "give a number above 0"),
-        ("absent", "2", "no such file; make it again"),
+        ("absent", "2", "no such file"),
     ],
 )
 def test_mistakes_are_answered_in_one_line(capsys, folder, name, factor, said):
