@@ -12,7 +12,7 @@ from npfm.fitting.objective import Samples
 from npfm.fitting.power_iterations.eigenproblem import distribution
 from npfm.fitting.power_iterations.fresnel import fresnel
 from npfm.fitting.power_iterations.mirrors import cells, mirrors
-from npfm.reflectance.half_difference import Grid
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.microsurfaces import beckmann, beckmann_area, ggx, ggx_area
 from npfm.reflectance.slopes import (
     ELEVATIONS,
@@ -67,7 +67,7 @@ def recovery(nodes: Iterable[int], roughness: Iterable[float]) -> pd.DataFrame:
 
 def _errors(surface: str, nodes: int, alpha: float) -> tuple[float, float]:
     D, area, roughness = SURFACES[surface]
-    grid = Grid(nodes, 1, 2)
+    grid = HalfDifference(nodes, 1, 2)
     cosine = np.cos(grid.theta_h)
     exact = D(cosine, alpha) / (4 * cosine * area(cosine, alpha))
     samples = Samples(np.ones((nodes, 1, 1)), exact[:, None, None], 1.0, 0.0, grid)
@@ -93,7 +93,7 @@ def timing(nodes: Iterable[int], repeats: int) -> pd.DataFrame:
     """
     rows = []
     for count in nodes:
-        grid = Grid(count, 90, 180)
+        grid = HalfDifference(count, 90, 180)
         began = time.process_time()
         cells(grid), area_matrix(grid)
         rows.append((count, "once", time.process_time() - began))
@@ -101,7 +101,7 @@ def timing(nodes: Iterable[int], repeats: int) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["nodes", "part", "seconds"])
 
 
-def _parts(grid: Grid, repeats: int) -> list[tuple[str, float]]:
+def _parts(grid: HalfDifference, repeats: int) -> list[tuple[str, float]]:
     cosine = np.cos(grid.theta_h)
     ideal = mirrors(ggx(cosine, 0.2), ggx_area(np.cos(ELEVATIONS), 0.2), grid)
     weight = (ideal > 0).astype(float)
