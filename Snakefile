@@ -6,7 +6,7 @@ from npfm.declarations import NAME_PATTERN
 from npfm.errors import NpfmError
 from npfm.run.config import check, prefer_this_python
 from npfm.run.names import any_of
-from npfm.run.provenance import digest
+from npfm.run.provenance import command_code
 from npfm.run.words import as_input, option, path_word, words
 
 

@@ -16,6 +16,14 @@ from npfm.reflectance.table import Table
 from npfm.rendering import transport
 from npfm.storage.names import distinct
 
+#: What a digest covers beside this file (`npfm.run.provenance`).
+CODE = (
+    "npfm.commands.outputs",
+    "npfm.commands.sources",
+    "npfm.evaluation.accuracy_cost",
+    "npfm.evaluation.tables",
+    "npfm.storage.names",
+)
 EXAMPLE = """\
 examples:
   python -m npfm accuracy-cost traces --fits awls=fits/old gauss-newton=fits/new \\

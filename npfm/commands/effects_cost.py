@@ -13,6 +13,15 @@ from npfm.evaluation import tables
 from npfm.storage.names import distinct
 from npfm.storage.pictures import EXR, write_exr_parts
 
+#: What a digest covers beside this file (`npfm.run.provenance`).
+CODE = (
+    "npfm.commands.outputs",
+    "npfm.commands.sources",
+    "npfm.evaluation.effects_cost",
+    "npfm.evaluation.tables",
+    "npfm.storage.names",
+    "npfm.storage.pictures",
+)
 EXAMPLE = """\
 examples:
   python -m npfm effects-cost compare scenes/B --switched visibility=scenes/B-without-shadows \\

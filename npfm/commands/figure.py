@@ -6,6 +6,11 @@ from types import ModuleType
 from npfm.commands.outputs import output
 from npfm.figures import style
 
+#: What a digest covers beside this file (`npfm.run.provenance`).
+CODE = (
+    "npfm.commands.outputs",
+    "npfm.figures.style",
+)
 EXAMPLE = """\
 examples:
   python -m npfm figure figure08 --psnr psnr.csv --materials materials.csv \\
@@ -100,7 +105,20 @@ def _figure(name: str) -> ModuleType:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.epilog = EXAMPLE
-    figures = parser.add_subparsers(dest="figure", required=True, metavar="figure")
+
+    # Of the verb's own class, so that its complaints are told as the verb's are.
+    class Figure(type(parser)):  # type: ignore[misc]
+        """Knows the arguments of its figure once it is asked: only that figure is imported."""
+
+        figure = ""
+
+        def parse_known_args(self, args=None, namespace=None):
+            _figure(self.figure).add_arguments(self)
+            return super().parse_known_args(args, namespace)
+
+    figures = parser.add_subparsers(
+        dest="figure", required=True, metavar="figure", parser_class=Figure
+    )
     for name, contents in FIGURES.items():
         chosen = figures.add_parser(
             name,
@@ -109,7 +127,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             epilog=EXAMPLE,
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        _figure(name).add_arguments(chosen)
+        chosen.figure = name
         chosen.add_argument(
             "-o",
             "--output",

@@ -1,15 +1,14 @@
 """``npfm fit``."""
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from tqdm import tqdm
 
 from npfm.commands.numbers import positive, whole
 from npfm.commands.outputs import output
-from npfm.datasets import parameter_files
-from npfm.datasets.parameter_files import FitFile
 from npfm.errors import NpfmError, suggest
 from npfm.fitting import fits, registry
 from npfm.fitting.fits import Fit
@@ -19,6 +18,16 @@ from npfm.fitting.solvers.choice import SOLVERS, chosen
 from npfm.fitting.solvers.problem import SolverSettings
 from npfm.reflectance.merl import read_binary
 
+#: What a digest covers beside this file (`npfm.run.provenance`).
+CODE = (
+    "npfm.commands.numbers",
+    "npfm.commands.outputs",
+    "npfm.fitting.registry",
+    "npfm.fitting.solvers.choice",
+    "npfm.fitting.fits",
+    "npfm.fitting.objective",
+    "npfm.reflectance.merl",
+)
 EXAMPLE = """\
 example:
   python -m npfm fit chrome.binary --model independent-g -o chrome.npz
@@ -89,7 +98,7 @@ def run(arguments: argparse.Namespace) -> str:
     settings = SolverSettings(arguments.solver, arguments.tolerance, arguments.max_iterations)
     objective = Objective(not arguments.no_compressive, arguments.max_angle)
     with tqdm(desc=f"fit {arguments.model}", unit="start", disable=None) as progress:
-        solve = chosen(settings, after_start=progress.update)
+        solve = chosen(settings, after_start=progress.update) if model.solver else _none
         table = read_binary(arguments.table)
         try:
             fit = model.load().fit(table, objective, solve, arguments.seed, **own)
@@ -112,6 +121,11 @@ def _summary(fit: Fit) -> str:
     return (
         f"objective {objective:.3g} (floor {floor:.3g}), {seconds:.2f} s, {size} bytes, {statuses}"
     )
+
+
+def _none(problem: Any, starts: Any) -> NoReturn:
+    """Stand for the solver of a model that declares to run none: no module of one is imported."""
+    raise AssertionError("this model declares SOLVER = False and runs a solver; declare it")
 
 
 def _own_settings() -> dict[str, tuple[list[str], str]]:
@@ -141,12 +155,15 @@ def _given(model: Model, arguments: argparse.Namespace) -> dict[str, Any]:
     if wrong := [name for name in given if name not in own]:
         raise NpfmError(f"--{wrong[0]} is not a setting of '{arguments.model}'; leave it out")
     if model.published:
-        given["published"] = _parameters(arguments, FitFile(**model.published))
+        given["published"] = _parameters(arguments, model.published)
     return given
 
 
-def _parameters(arguments: argparse.Namespace, file: FitFile) -> parameter_files.Parameters:
+def _parameters(arguments: argparse.Namespace, published: Mapping[str, Any]) -> dict:
     """Return the published parameters of the material that the table is named after."""
+    from npfm.datasets import parameter_files  # which other models do not depend on
+
+    file = parameter_files.FitFile(**published)
     path = arguments.published
     if path is None:
         raise NpfmError(f"'{arguments.model}' needs --published, the path of {file.name}")

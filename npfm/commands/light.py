@@ -9,6 +9,17 @@ from npfm.rendering.lights import environment
 from npfm.storage.bounds import check_size
 from npfm.storage.pictures import EXR
 
+#: What a digest covers beside this file (`npfm.run.provenance`).
+CODE = (
+    "npfm.commands.numbers",
+    "npfm.commands.outputs",
+    "npfm.rendering.lights.environment",
+)
+#: And what it covers for some of the kinds.
+CODE_OF_KIND = {
+    "generate": ("npfm.rendering.lights.generated",),
+    "file": ("npfm.rendering.lights.formats",),
+}
 EXAMPLE = """\
 examples:
   python -m npfm light grace_probe.hdr --layout angular-map --height 512 -o grace.exr

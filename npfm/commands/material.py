@@ -10,6 +10,18 @@ from npfm.errors import NpfmError
 from npfm.reflectance.merl import BINARY, read_binary, write_binary
 from npfm.storage.files import Kind, replacing
 
+#: What a digest covers beside this file (`npfm.run.provenance`).
+CODE = (
+    "npfm.commands.numbers",
+    "npfm.commands.outputs",
+    "npfm.reflectance.merl",
+)
+#: And what it covers for some of the kinds.
+CODE_OF_KIND = {
+    "synthetic": ("npfm.datasets.synthetic",),
+    "neural": ("npfm.datasets.neural",),
+    "merl": ("npfm.datasets.merl_folder",),
+}
 EXAMPLE = """\
 examples:
   python -m npfm material --synthetic car-paint --seed 1 -o car-paint.binary

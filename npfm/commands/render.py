@@ -13,6 +13,14 @@ from npfm.reflectance.table import INVALID, Table
 from npfm.rendering import transport
 from npfm.storage import pictures
 
+#: What a digest covers beside this file (`npfm.run.provenance`).
+CODE = (
+    "npfm.commands.numbers",
+    "npfm.commands.outputs",
+    "npfm.commands.sources",
+    "npfm.rendering.transport",
+    "npfm.storage.pictures",
+)
 EXAMPLE = """\
 examples:
   python -m npfm render scene-a chrome.binary -o measured.exr

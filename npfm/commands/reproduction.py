@@ -11,6 +11,15 @@ from npfm.figures import figure10, renderings
 from npfm.papers import page
 from npfm.papers.evidence import Evidence, starts
 
+#: What a digest covers beside this file (`npfm.run.provenance`).
+CODE = (
+    "npfm.commands.outputs",
+    "npfm.evaluation.tables",
+    "npfm.evaluation.head_to_head",
+    "npfm.figures.figure10",
+    "npfm.papers.page",
+    "npfm.papers.evidence",
+)
 EXAMPLE = """\
 example:
   python -m npfm reproduction --run results/neural-10 --dataset neural \\

@@ -16,6 +16,15 @@ from npfm.rendering.sampling import registry
 from npfm.rendering.sampling.strategy import Given
 from npfm.storage.files import Kind, marked, replacing
 
+#: What a digest covers beside this file (`npfm.run.provenance`).
+CODE = (
+    "npfm.commands.numbers",
+    "npfm.commands.outputs",
+    "npfm.rendering.assembly",
+    "npfm.rendering.transport",
+    "npfm.rendering.lights.environment",
+    "npfm.rendering.sampling.registry",
+)
 EXAMPLE = """\
 example:
   python -m npfm scene --light grace.exr --objects sphere -o scene-a

@@ -20,6 +20,15 @@ from npfm.fitting.solvers.choice import SOLVERS, chosen
 from npfm.fitting.solvers.problem import SolverSettings
 from npfm.reflectance.table import Table
 
+#: What a digest covers beside this file (`npfm.run.provenance`).
+CODE = (
+    "npfm.commands.numbers",
+    "npfm.commands.outputs",
+    "npfm.evaluation.stability",
+    "npfm.evaluation.tables",
+    "npfm.fitting.registry",
+    "npfm.fitting.solvers.choice",
+)
 EXAMPLE = """\
 examples:
   python -m npfm stability fit naive --starts 8 --awls-iterations 60 -o naive.csv

@@ -9,6 +9,19 @@ from npfm.evaluation import tables
 from npfm.papers import bagher2016
 from npfm.papers.table1 import table1
 
+#: What a digest covers beside this file (`npfm.run.provenance`).
+CODE = (
+    "npfm.commands.outputs",
+    "npfm.evaluation.tables",
+)
+#: And what it covers for some of the kinds.
+CODE_OF_KIND = {
+    "published": (
+        "npfm.commands.sources",
+        "npfm.papers.authors_distance",
+        "npfm.papers.authors_factors",
+    ),
+}
 #: What each table holds, and what it is made from.
 KINDS = {
     "psnr": (

@@ -10,6 +10,13 @@ from npfm.fitting import fits
 from npfm.storage.names import distinct
 from npfm.storage.pictures import EXR, write_exr
 
+#: What a digest covers beside this file (`npfm.run.provenance`).
+CODE = (
+    "npfm.commands.outputs",
+    "npfm.exports.texture",
+    "npfm.storage.names",
+    "npfm.storage.pictures",
+)
 EXAMPLE = """\
 example:
   python -m npfm texture chrome.npz nylon.npz -o texture.exr

@@ -64,6 +64,11 @@ class Plan:
         return self.traced["gauss-newton"]
 
     @property
+    def standard_modules(self) -> list[str]:
+        """Modules of the model of these fits."""
+        return [registry.declared(MODEL).module]
+
+    @property
     def traced(self) -> dict[str, str]:
         """Folder of the fits of `MODEL` by each solver."""
         settings = self.settings("model")

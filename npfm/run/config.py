@@ -11,11 +11,12 @@ from npfm.datasets import merl_folder, neural, synthetic
 from npfm.datasets.names import MERL_NAMES, select
 from npfm.errors import NpfmError, suggest
 from npfm.fitting import registry
+from npfm.fitting.solvers.choice import module_of as solver_module
 from npfm.rendering.sampling import registry as sampling
 from npfm.rendering.scenes import STRATEGIES, Scene
 from npfm.run.entries import Variant, missing_fits, read_variants
 from npfm.run.names import check_names
-from npfm.run.provenance import digest
+from npfm.run.provenance import command_code
 from npfm.run.schema import check_schema, settled
 from npfm.run.words import as_input, option, path_word
 
@@ -122,36 +123,33 @@ class Run:
 
     def material_code(self) -> str:
         """Digest of the code that makes materials."""
-        kind = self.config["dataset"]["kind"]
-        module = "merl_folder" if kind == "merl" else kind
-        entries = (f"npfm.datasets.{module}", "npfm.reflectance.merl")
-        return digest(entries, ("npfm.commands.material",))
+        return command_code(f"material {self.config['dataset']['kind']}")
 
     def fit_code(self, variant: str) -> str:
         """Digest of the code that fits a variant: its model, and its solver if it uses one."""
         chosen = self.variants[variant]
         model = registry.declared(chosen.model)
-        entries = [model.module, "npfm.fitting.fits", "npfm.reflectance.merl"]
-        if model.solver:
-            entries.append(f"npfm.fitting.solvers.{chosen.solver.replace('-', '_')}")
-        return digest(tuple(entries), ("npfm.commands.fit",))
+        solver = [solver_module(chosen.solver)] if model.solver else []
+        return command_code("fit", model.module, *solver)
 
     def published_inputs(self, variant: str) -> list[str]:
         """Files that a variant reads published parameters from: one, or none."""
         published = self.variants[variant].published
         return [as_input(published)] if published else []
 
+    def model_modules(self, *names: str) -> list[str]:
+        """Modules of the models of some variants."""
+        return sorted({registry.declared(self.variants[name].model).module for name in names})
+
     def render_code(self, variant: str) -> str:
         """Digest of the code that renders a variant, or the measurement."""
-        entries = ["npfm.rendering.transport", "npfm.storage.pictures", "npfm.fitting.fits"]
-        if variant in self.variants:
-            entries.append(registry.declared(self.variants[variant].model).module)
-        return digest(tuple(entries), ("npfm.commands.render", "npfm.commands.sources"))
+        fitted = [variant] if variant in self.variants else []
+        return command_code("render", *self.model_modules(*fitted))
 
     def light_code(self, name: str) -> str:
         """Digest of the code that makes a light."""
-        kind = "formats" if "file" in self.config["lights"][name] else "generated"
-        return digest((f"npfm.rendering.lights.{kind}",), ("npfm.commands.light",))
+        kind = "file" if "file" in self.config["lights"][name] else "generate"
+        return command_code(f"light {kind}")
 
     def light_inputs(self, name: str) -> list[str]:
         """Files that a light is made from."""
@@ -200,8 +198,7 @@ class Run:
     def scene_code(self, scene: str) -> str:
         """Digest of the code that builds a scene, with the strategies that it is sampled by."""
         chosen = self.config["scenes"][scene].get("sampling", {}).get("strategies", STRATEGIES)
-        entries = ("npfm.rendering.assembly", "npfm.rendering.transport", *sampling.modules(chosen))
-        return digest(entries, ("npfm.commands.scene",))
+        return command_code("scene", *sampling.modules(chosen))
 
 
 def prefer_this_python() -> None:

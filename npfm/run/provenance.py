@@ -7,7 +7,7 @@ code that its job runs: the entry modules and whatever they import inside `npfm`
 import ast
 import hashlib
 import importlib.metadata
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from itertools import groupby
 from pathlib import Path
@@ -16,6 +16,52 @@ from typing import Any
 PACKAGE = Path(__file__).parents[1]
 #: Libraries whose versions can change results: of all code, and of that which imports them.
 LIBRARIES, WHERE_IMPORTED = ("numpy", "scipy"), ("numba", "tensorly")
+
+
+#: Where modules are imported by a name that is only known when it runs; whoever depends on one of
+#: these names the modules as well.
+BY_NAME = (
+    "npfm.fitting.registry",
+    "npfm.fitting.solvers.choice",
+    "npfm.rendering.sampling.registry",
+)
+#: What runs under every verb.
+ALL_VERBS = ("npfm.commands", "npfm.errors", "npfm.storage.signals")
+
+
+@cache
+def command_code(verb: str, *chosen: str) -> str:
+    """Digest of the code that a verb runs.
+
+    Parameters
+    ----------
+    verb : str
+        As on the command line, with the kind that follows it, if any: ``tables psnr``.
+    *chosen : str
+        Modules that it is told to import: of a model, a solver, a strategy or a figure.
+    """
+    entries, alone = covered(verb)
+    return digest((*entries, *chosen), alone)
+
+
+def covered(verb: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Modules that a verb declares: with all that they import, and alone.
+
+    The file of the verb has them in ``CODE``, and in ``CODE_OF_KIND`` by the kind that follows.
+    `npfm.__main__` is left out: it picks the verb, and one verb more shall make nothing again.
+    """
+    name, _, kind = verb.partition(" ")
+    command = f"npfm.commands.{name.replace('-', '_')}"
+    declared = dict(_literals(command, ("CODE", "CODE_OF_KIND")))
+    entries = (*declared["CODE"], *declared.get("CODE_OF_KIND", {}).get(kind, ()))
+    return (*entries, *ALL_VERBS), (command,)
+
+
+def _literals(module: str, names: Sequence[str]) -> Iterator[tuple[str, Any]]:
+    for node in _tree(module).body:
+        match node:
+            case ast.Assign([ast.Name(name)], value) if name in names:
+                yield name, ast.literal_eval(value)
 
 
 @cache
@@ -57,7 +103,7 @@ def closure(entries: Iterable[str]) -> set[str]:
     while waiting:
         module = waiting.pop()
         if module not in found:
-            if _imports_by_name(module):
+            if _imports_by_name(module) and module not in BY_NAME:
                 raise ValueError(
                     f"{module} imports by name, which no digest can follow: "
                     "give it alone, and what it imports as entries"

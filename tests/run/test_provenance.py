@@ -169,16 +169,24 @@ def names(file):
         yield getattr(node, "id", None) or getattr(node, "attr", None)
 
 
-def test_only_models_and_strategies_are_imported_by_name():
-    """A digest cannot follow such an import, and has to refuse whatever leads to it."""
+def test_only_models_solvers_and_strategies_are_imported_by_name():
+    """A digest cannot follow such an import: who depends on one of these names the modules."""
     by_name = {
         str(file.relative_to(PACKAGE))
         for file in PACKAGE.rglob("*.py")
         if {"__import__", "import_module", "exec", "eval"} & set(names(file))
     }
-    assert by_name == {"fitting/registry.py", "rendering/sampling/registry.py"}
-    with pytest.raises(ValueError, match=r"npfm\.fitting\.registry imports by name"):
-        provenance.digest(("npfm.commands.sources",))
+    names_of = (name.removeprefix("npfm.").replace(".", "/") for name in provenance.BY_NAME)
+    assert by_name == {f"{name}.py" for name in names_of}
+
+
+def test_another_import_by_name_is_refused(copied):
+    copy, digest = copied
+    with (copy / "errors.py").open("a") as file:
+        file.write("import importlib\nimportlib.import_module('x')\n")
+    with pytest.raises(ValueError, match=r"npfm\.errors imports by name"):
+        digest("npfm.models.naive")
+    shutil.copy(PACKAGE / "errors.py", copy)
 
 
 def test_every_model_can_be_digested():

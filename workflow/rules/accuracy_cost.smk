@@ -1,7 +1,7 @@
 from npfm.run.accuracy_cost import plan
 
 COST = plan(RUN)
-COST_CODE = digest(("npfm.evaluation.accuracy_cost",), ("npfm.commands.accuracy_cost",))
+COST_CODE = command_code("accuracy-cost")
 
 
 localrules:
@@ -58,9 +58,8 @@ use rule npfm as accuracy_cost_fits with:
         runtime=15,
     params:
         verb="accuracy-cost fits",
-        code=COST_CODE,
-        render=sorted(
-            {COST.study.render_code(variant) for variant in COST.study.variants}
+        code=command_code(
+            "accuracy-cost", *COST.study.model_modules(*COST.study.variants)
         ),
         files=lambda wildcards, input, output: [
             *input.table,
@@ -104,8 +103,7 @@ use rule npfm as accuracy_cost_sampling with:
         runtime=15,
     params:
         verb="accuracy-cost sampling",
-        code=COST_CODE,
-        render=COST.study.render_code("model-independent-g-gauss-newton"),
+        code=command_code("accuracy-cost", *COST.standard_modules),
         files=lambda wildcards, input, output: [
             *("--reference", input.reference),
             *option("--builds", input.builds),
@@ -164,8 +162,8 @@ use rule npfm as accuracy_cost_figure with:
         figure=any_of(COST_FIGURES),
     params:
         verb="figure",
-        code=lambda wildcards: digest(
-            (f"npfm.figures.{wildcards.figure}",), ("npfm.commands.figure",)
+        code=lambda wildcards: command_code(
+            "figure", f"npfm.figures.{wildcards.figure}"
         ),
         files=lambda wildcards, input, output: [
             *(wildcards.figure, COST_FIGURES[wildcards.figure][0], *words(input)),

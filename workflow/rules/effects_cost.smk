@@ -1,9 +1,7 @@
 from npfm.run.effects_cost import Plan
 
 EFFECTS = Plan(RUN)
-EFFECTS_CODE = digest(
-    ("npfm.evaluation.effects_cost",), ("npfm.commands.effects_cost",)
-)
+EFFECTS_CODE = command_code("effects-cost", *COST.standard_modules)
 
 
 localrules:
@@ -48,7 +46,6 @@ use rule npfm as effects_compare with:
     params:
         verb="effects-cost compare",
         code=EFFECTS_CODE,
-        render=COST.study.render_code("model-independent-g-gauss-newton"),
         files=lambda wildcards, input, output: [
             input.scene,
             *option("--tables", input.tables),
@@ -99,7 +96,7 @@ use rule npfm as effects_figure with:
         f"{OUT}/logs/effects/figure.log",
     params:
         verb="figure effects_cost",
-        code=digest(("npfm.figures.effects_cost",), ("npfm.commands.figure",)),
+        code=command_code("figure", "npfm.figures.effects_cost"),
         files=lambda wildcards, input, output: [
             *("--table", *input.table),
             *("--changed", *input.changed),

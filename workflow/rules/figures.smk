@@ -23,7 +23,7 @@ use rule npfm as figure08 with:
         order="diffuseness|error",
     params:
         verb="figure figure08",
-        code=digest(("npfm.figures.figure08",), ("npfm.commands.figure",)),
+        code=command_code("figure", "npfm.figures.figure08"),
         files=lambda wildcards, input, output: [
             *("--psnr", *input.psnr),
             *option("--materials", input.materials),
@@ -79,7 +79,7 @@ use rule npfm as page with:
         runtime=5,
     params:
         verb="figure page",
-        code=digest(("npfm.figures.page",), ("npfm.commands.figure",)),
+        code=command_code("figure", "npfm.figures.page"),
         files=lambda wildcards, input, output: ["--psnr", *input.psnr, "-o", *output],
         options=lambda wildcards: [
             *("--run", OUT, "--material", wildcards.material),

@@ -88,7 +88,7 @@ for FIGURE, HOW in DRAWN.items():
             runtime=5,
         params:
             figure=FIGURE,
-            code=digest((f"npfm.figures.{FIGURE}",), ("npfm.commands.figure",)),
+            code=command_code("figure", f"npfm.figures.{FIGURE}"),
             arguments=lambda wildcards, how=HOW: how.arguments,
         shell:
             "python -m npfm figure {params.figure} {params.arguments:q} -o {output:q} 2> {log:q}"
@@ -103,10 +103,7 @@ use rule npfm as texture with:
         f"{OUT}/logs/figures/texture.log",
     params:
         verb="texture",
-        code=digest(
-            ("npfm.exports.texture", "npfm.storage.pictures"),
-            ("npfm.commands.texture",),
-        ),
+        code=command_code("texture"),
         files=lambda wildcards, input, output: [*words(input), "-o", *output],
 
 

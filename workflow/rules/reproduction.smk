@@ -28,9 +28,9 @@ use rule npfm as published_table with:
         runtime=15,
     params:
         verb="tables published",
-        code=digest(
-            ("npfm.papers.authors_distance", "npfm.papers.authors_factors"),
-            ("npfm.commands.tables",),
+        code=command_code(
+            "tables published",
+            *RUN.model_modules(*RUN.variants.keys() & {"independent-g"}),
         ),
         files=lambda wildcards, output: ["-o", *output],
         options=lambda wildcards: [
@@ -57,10 +57,7 @@ use rule npfm as reproduction with:
         f"{OUT}/logs/reproduction.log",
     params:
         verb="reproduction",
-        code=digest(
-            ("npfm.papers.page", "npfm.figures.figure10"),
-            ("npfm.commands.reproduction",),
-        ),
+        code=command_code("reproduction"),
         files=lambda wildcards, input, output: [
             *(word for key in CLAIMED for word in [f"--{key}", str(input[key])]),
             *option("--figures", input.figures),

@@ -1,4 +1,5 @@
 from npfm.fitting import registry
+from npfm.fitting.solvers.choice import SOLVERS, module_of
 
 
 localrules:
@@ -17,14 +18,10 @@ use rule npfm as stability_fits with:
         runtime=120,
     params:
         verb="stability fit",
-        code=lambda wildcards: digest(
-            (
-                f"npfm.models.{wildcards.model.replace('-', '_')}",
-                "npfm.fitting.solvers.awls",
-                "npfm.fitting.solvers.gauss_newton",
-                "npfm.evaluation.stability",
-            ),
-            ("npfm.commands.stability",),
+        code=lambda wildcards: command_code(
+            "stability",
+            registry.declared(wildcards.model).module,
+            *map(module_of, SOLVERS),
         ),
         files=lambda wildcards, output: ["-o", *output],
         options=lambda wildcards: [
@@ -43,5 +40,5 @@ use rule npfm as stability with:
         f"{OUT}/logs/tables/stability.log",
     params:
         verb="stability gather",
-        code=digest(("npfm.evaluation.stability",), ("npfm.commands.stability",)),
+        code=command_code("stability"),
         files=lambda wildcards, input, output: [*input, "-o", *output],

@@ -4,7 +4,7 @@ RENDERS = [
     for material in RUN.materials
     for variant in ["measured", *RUN.variants_of(material)]
 ]
-TABLES_CODE = digest(("npfm.evaluation.tables",), ("npfm.commands.tables",))
+TABLES_CODE = command_code("tables")
 MATERIALS = ["--run", OUT, *option("--materials", RUN.materials)]
 VARIANTS = [*option("--variants", RUN.variants), *RUN.missing_option]
 

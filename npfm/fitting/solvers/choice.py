@@ -1,5 +1,6 @@
 """Solvers by name. Each is imported when it is asked for."""
 
+import importlib
 from collections.abc import Callable
 from functools import partial
 
@@ -23,13 +24,12 @@ def chosen(settings: SolverSettings, after_start: Callable[[], None] = lambda: N
     NpfmError
         If there is no solver of that name.
     """
-    match settings.method:
-        case "gauss-newton":
-            from npfm.fitting.solvers import gauss_newton as module
-        case "awls":
-            from npfm.fitting.solvers import awls as module
-        case _:
-            raise NpfmError(
-                f"unknown solver '{settings.method}'; {suggest(settings.method, SOLVERS)}"
-            )
+    if settings.method not in SOLVERS:
+        raise NpfmError(f"unknown solver '{settings.method}'; {suggest(settings.method, SOLVERS)}")
+    module = importlib.import_module(module_of(settings.method))
     return partial(module.solve, settings=settings, after_start=after_start)
+
+
+def module_of(name: str) -> str:
+    """Full name of the module of a solver."""
+    return f"npfm.fitting.solvers.{name.replace('-', '_')}"

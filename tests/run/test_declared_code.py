@@ -1,0 +1,152 @@
+"""What each verb declares to run, against what it really imports."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from npfm.__main__ import main
+from npfm.fitting import registry
+from npfm.fitting.solvers.choice import module_of
+from npfm.run.provenance import closure, command_code, covered
+
+ROOT = Path(__file__).parents[2]
+FIT = (
+    "chalk = Aggregate(Lambertian(albedo = [0, 0, 0]), "
+    "NganCookTorrance(albedo = [1, 1, 1], eta = 0.5, roughness = 0.1))\n"
+)
+#: Says which modules of npfm a verb has imported when it is done.
+CODE = """
+import sys
+from npfm.__main__ import main
+assert main(sys.argv[1:]) == 0
+print(*(name for name in sys.modules if name.split(".")[0] == "npfm"))
+"""
+
+
+def models(*names):
+    return [registry.declared(name).module for name in names]
+
+
+#: By what a rule names: the modules that are chosen, and a call, in the folder of a run.
+CALLS = [
+    ("material synthetic", [], "material --synthetic chalk -o x.binary"),
+    ("material neural", [], "material --neural nylon --from {archive} -o x.binary"),
+    ("material merl", [], "material --merl chalk --from materials -o x.binary"),
+    ("fit", models("bivariate"), "fit chalk.binary --model bivariate -o x.npz"),
+    (
+        "fit",
+        [*models("naive"), module_of("awls")],
+        "fit chalk.binary --model naive --solver awls --max-iterations 1 -o x.npz",
+    ),
+    (
+        "fit",
+        [*models("g-from-d"), module_of("gauss-newton")],
+        "fit chalk.binary --model g-from-d --max-iterations 1 -o x.npz",
+    ),
+    (
+        "fit",
+        models("cook-torrance-published"),
+        "fit chalk.binary --model cook-torrance-published --published x.fit -o x.npz",
+    ),
+    ("light generate", [], "light --generate grove --height 8 -o x.exr"),
+    ("light file", [], "light lights/grove.exr --layout lat-long --height 8 -o x.exr"),
+    (
+        "scene",
+        ["npfm.rendering.sampling.cosine"],
+        "scene --light lights/grove.exr --objects sphere --resolution 4 --samples 4"
+        " --sampling cosine -o x",
+    ),
+    ("render", [], "render scenes/A chalk.binary -o x.exr"),
+    ("render", models("naive"), "render scenes/A fits/naive/chalk.npz -o x.exr"),
+    (
+        "tables psnr",
+        [],
+        "tables psnr --run . --scenes A --materials chalk --variants naive -o x.csv",
+    ),
+    ("tables fits", [], "tables fits --run . --materials chalk --variants naive -o x.csv"),
+    ("tables materials", [], "tables materials --run . --materials chalk -o x.csv"),
+    ("tables summary", [], "tables summary --run . --psnr psnr.csv -o x.csv"),
+    ("tables table1", [], "tables table1 --fits fits.csv -o x.csv"),
+    ("figure", ["npfm.figures.figure04"], "figure figure04 -o x.pdf"),
+    (
+        "figure",
+        ["npfm.figures.figure08"],
+        "figure figure08 --psnr psnr.csv --materials materials.csv --order diffuseness -o x.pdf",
+    ),
+    (
+        "figure",
+        ["npfm.figures.figure05"],
+        "figure figure05 --run . --materials chalk --variants naive -o x.pdf",
+    ),
+    (
+        "accuracy-cost traces",
+        [],
+        "accuracy-cost traces --fits gauss-newton=fits/naive --materials chalk -o x.csv",
+    ),
+    (
+        "accuracy-cost fits",
+        models("naive"),
+        "accuracy-cost fits materials/chalk.binary --scenes scenes/A"
+        " --fits model:naive=fits/naive -o x.csv",
+    ),
+    (
+        "effects-cost compare",
+        models("naive"),
+        "effects-cost compare scenes/A --tables chalk.binary --fits fits/naive/chalk.npz"
+        " -o x.csv --pictures y.exr",
+    ),
+    ("stability gather", [], "stability gather stability.csv -o x.csv"),
+]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A small run, made by its verbs."""
+    folder = tmp_path_factory.mktemp("run")
+    made = f"{folder}/renders/A/chalk"
+    calls = [
+        f"material --synthetic chalk -o {folder}/materials/chalk.binary",
+        f"fit {folder}/materials/chalk.binary --model naive --max-iterations 1"
+        f" -o {folder}/fits/naive/chalk.npz",
+        f"light --generate grove --height 8 -o {folder}/lights/grove.exr",
+        f"scene --light {folder}/lights/grove.exr --objects sphere --resolution 8 --samples 8"
+        f" --record {folder}/scenes/A.json -o {folder}/scenes/A",
+        f"render {folder}/scenes/A {folder}/materials/chalk.binary -o {made}/measured.exr",
+        f"render {folder}/scenes/A {folder}/fits/naive/chalk.npz -o {made}/naive.exr",
+        f"tables fits --run {folder} --materials chalk --variants naive -o {folder}/fits.csv",
+        f"tables psnr --run {folder} --scenes A --materials chalk --variants naive"
+        f" -o {folder}/psnr.csv",
+        f"tables materials --run {folder} --materials chalk -o {folder}/materials.csv",
+    ]
+    for call in calls:
+        assert main(call.split()) == 0
+    shutil.copy(folder / "materials/chalk.binary", folder)
+    (folder / "x.fit").write_text(FIT)
+    columns = "case,variant,solver,status,finite,objective,objective_floor,condition,seconds"
+    (folder / "stability.csv").write_text(f"{columns}\nblack,naive,awls,,True,0,0,1,1\n")
+    return folder
+
+
+@pytest.mark.parametrize(("verb", "chosen", "call"), CALLS)
+def test_a_verb_imports_what_it_declares_and_no_more(folder, verb, chosen, call, request):
+    if "{archive}" in call:
+        archive = request.getfixturevalue("data") / "merl_nbrdf.zip"
+        call = call.format(archive=archive)
+    for path in folder.glob("[xy].*"):
+        if path.suffix != ".fit":
+            path.unlink()
+    run = subprocess.run(
+        [sys.executable, "-c", CODE, *call.split()],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+    )
+    assert run.returncode == 0, run.stderr
+    entries, alone = covered(verb)
+    assert set(run.stdout.split()) <= closure([*entries, *chosen]) | {*alone, "npfm.__main__"}
+    assert command_code(verb, *chosen) != command_code(verb, *chosen, "npfm.run.words")
