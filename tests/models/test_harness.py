@@ -100,7 +100,7 @@ def test_parameters_are_what_they_should_be(fitted, name):
         assert key in MODELS[name].signed or (array >= 0).all(), key
     clamp = np.float32(getattr(registry.model(name), "CLAMP", 0))
     for key in FACTORS & fit.parameters.keys():
-        assert (fit.parameters[key].max(axis=1) == 1).all(), key
+        assert (fit.parameters[key].max(axis=-1) == 1).all(), key
         assert (fit.parameters[key] >= clamp).all(), key
 
 
@@ -294,7 +294,11 @@ def test_the_record_is_true(table, fitted, name):
         found = relative_objective(table, model, channel)
         assert record.objective == pytest.approx(found, rel=1e-5)
         best = next(trace for trace in record.traces if trace.start == record.best_start)
-        assert best.objective[-1] == record.objective
+        if MODELS[name].shared and MODELS[name].solver:  # all channels are fitted in one run
+            mean = np.mean([record.objective for record in fit.records])
+            assert best.objective[-1] == pytest.approx(mean, rel=1e-5)
+        else:
+            assert best.objective[-1] == record.objective
         assert best.status == record.status
 
 

@@ -7,6 +7,7 @@ search, and dropped if nothing on the line is better. So the objective never ris
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from npfm.fitting.fits import Trace
 from npfm.fitting.solvers.golden import golden_section
@@ -19,11 +20,14 @@ def solve(
     starts: Mapping[str, S],
     settings: SolverSettings,
     after_start: Callable[[], None] = lambda: None,
+    ease: float = 1.0,
 ) -> tuple[S, list[Trace]]:
     """Run AWLS from each start; the state with the lowest objective and all traces.
 
-    `after_start` is called when the run from a start has ended.
+    `after_start` is called when the run from a start has ended; the tolerance is that of the
+    settings times `ease`.
     """
+    settings = replace(settings, tolerance=ease * settings.tolerance)
     runs = []
     for name, start in starts.items():
         runs.append(minimise(problem, name, start, settings))

@@ -30,10 +30,12 @@ def solve(
     starts: Mapping[str, S],
     settings: SolverSettings,
     after_start: Callable[[], None] = lambda: None,
+    ease: float = 1.0,
 ) -> tuple[S, list[Trace]]:
     """Minimise from each start on thinned samples, then from the best on all of them.
 
-    `after_start` is called when the run from a start has ended.
+    `after_start` is called when the run from a start has ended; the tolerance is that of the
+    settings times `ease`.
 
     Returns
     -------
@@ -41,6 +43,7 @@ def solve(
         The trace of the start that went on is that of its second run, the time of the first
         included, and where that one ended; the others' are those of their runs on thinned samples.
     """
+    settings = replace(settings, tolerance=ease * settings.tolerance)
     coarse = problem.thinned(COARSE)
     if coarse.energy == 0:  # so few samples that thinning leaves none
         coarse = problem
@@ -102,7 +105,7 @@ def _step(
     """Tighten the damping until a step lowers the objective; None if none does."""
     packed, equations = problem.pack(state), system(problem, state)
     while damping < MOST_DAMPING:
-        candidate = problem.unpack(packed + equations.step(damping)[:-1])
+        candidate = problem.unpack(packed + equations.step(damping)[: packed.size])
         reached = problem.objective(candidate)
         if reached < current:
             return (candidate, reached), max(damping / EASE, LEAST_DAMPING)

@@ -21,8 +21,8 @@ class System:
     Parameters
     ----------
     gradient, matrix : ndarray, shapes (n,) and (n, n)
-        In the packed unknowns, followed by rho_d; what is held at the clamp is added to the
-        component it moves with.
+        In the packed unknowns, followed by the coefficients; what is held at the clamp is added to
+        the component it moves with.
     free, held, tops : ndarray of int
         Unknowns that are solved for, those at the clamp, and for each unknown the largest
         component of its factor.
@@ -52,8 +52,10 @@ def system(problem: Problem[S], state: S) -> System:
     """Return the normal equations of a problem at a state, its bounds taken into account."""
     packed = problem.pack(state)
     gradient, matrix = problem.normal_equations(state)
-    at_bound = np.append((packed <= problem.lower + 1e-9) & (gradient[:-1] > 0), False)
-    held, tops = np.flatnonzero(at_bound), np.append(problem.tops(packed), packed.size)
+    at_bound = np.zeros(gradient.size, dtype=bool)
+    at_bound[: packed.size] = (packed <= problem.lower + 1e-9) & (gradient[: packed.size] > 0)
+    held = np.flatnonzero(at_bound)
+    tops = np.append(problem.tops(packed), np.arange(packed.size, gradient.size))
     # A component at the clamp is a fixed share of the largest one of its factor and moves with it.
     for top in np.unique(tops[held]):
         tied = held[tops[held] == top]

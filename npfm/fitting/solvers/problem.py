@@ -18,7 +18,7 @@ NEGLIGIBLE = 1e-12
 
 
 class Problem(Protocol[S]):
-    """The fit of one channel of one model; `S` is the model's own state."""
+    """The fit of a model to one channel, or to all that share factors; `S` is its own state."""
 
     @property
     def energy(self) -> float:
@@ -62,7 +62,8 @@ class Problem(Protocol[S]):
     def normal_equations(self, state: S) -> tuple[NDArray, NDArray]:
         """Half the gradient of the objective, and its Gauss-Newton matrix.
 
-        In the packed unknowns, followed by rho_d.
+        In the packed unknowns, followed by the coefficients that `unpack` solves for, however
+        many they are: rho_d, or those of every channel.
         """
 
 
@@ -101,5 +102,7 @@ class SolverSettings:
 class Solver(Protocol):
     """Runs every start and returns the best state, its settings applied."""
 
-    def __call__(self, problem: Problem[S], starts: Mapping[str, S]) -> tuple[S, list[Trace]]:
-        """Minimise `problem` from each of the named `starts`."""
+    def __call__(
+        self, problem: Problem[S], starts: Mapping[str, S], *, ease: float = 1.0
+    ) -> tuple[S, list[Trace]]:
+        """Minimise `problem` from each of the named `starts`, to `ease` times the tolerance."""

@@ -1,0 +1,1 @@
+"""Several lobes whose D and G the colour channels share: the fit of Peng et al. 2017."""

@@ -1,0 +1,105 @@
+"""The extended AWLS of Peng et al. 2017: exact updates of one factor at a time."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from npfm.fitting.factors.problem import quotient
+from npfm.fitting.shared_lobes.problem import CLAMP, State, compiled
+
+if TYPE_CHECKING:
+    from npfm.fitting.shared_lobes.problem import SharedLobesProblem
+
+Array = NDArray[np.float64]
+
+
+def updated_D(problem: "SharedLobesProblem", state: State, lobe: int) -> State:
+    """Best D of a lobe, all else held: each component is a quotient of sums of all channels."""
+    wk, wkk, wrk = state.sums
+    x = state.rho_s[:, None, :] * state.basis
+    slope = state.rho_s[:, lobe, None] * np.tile(state.F, (1, problem.grid.shape[0]))
+    others = np.einsum("crl,crl->cr", x, wkk[..., lobe, :]) - x[..., lobe] * wkk[..., lobe, lobe]
+    numerator = slope * (wrk[..., lobe] - state.rho_d[:, None] * wk[..., lobe] - others)
+    denominator = slope**2 * wkk[..., lobe, lobe]
+    D = _per_bin(numerator, denominator, state.D[lobe], problem.grid.shape[:2], (0, 2))
+    return replace(state, D=np.stack([D if k == lobe else x for k, x in enumerate(state.D)]))
+
+
+def updated_F(problem: "SharedLobesProblem", state: State) -> State:
+    """Best F of every channel, all else held."""
+    wk, wkk, wrk = state.sums
+    x = state.rho_s[:, None, :] * np.repeat(state.D.T, problem.grid.shape[1], axis=0)
+    wx = np.einsum("crl,crl->cr", x, wk)
+    numerator = np.einsum("crl,crl->cr", x, wrk) - state.rho_d[:, None] * wx
+    denominator = np.einsum("crl,crm,crlm->cr", x, x, wkk, optimize=True)
+    plane = problem.grid.shape[:2]
+    F = [
+        _per_bin(n[None], d[None], f, plane, (0, 1))
+        for n, d, f in zip(numerator, denominator, state.F, strict=True)
+    ]
+    return replace(state, F=np.stack(F))
+
+
+def _per_bin(
+    numerator: Array,
+    denominator: Array,
+    before: Array,
+    plane: tuple[int, int],
+    axes: tuple[int, int],
+) -> Array:
+    """Equation 14 of Bagher et al. 2016 for each bin of one angle, clamped."""
+    numerator, denominator = (x.reshape(-1, *plane).sum(axes) for x in (numerator, denominator))
+    return quotient(numerator, denominator, before, CLAMP)
+
+
+def updated_G(problem: "SharedLobesProblem", state: State, lobe: int, smoothing: float) -> State:
+    """Minimise over the components of a lobe's G one after the other, exactly (section 2.3).
+
+    In one component the objective is a polynomial of degree 4. Of the real roots of its
+    derivative, a cubic, the best is taken, if it is better than the component is.
+
+    Parameters
+    ----------
+    smoothing : float
+        Width of the Gaussian that smooths the result, in nodes.
+    """
+    from scipy.ndimage import gaussian_filter1d
+
+    kernels, at = compiled(), problem.places
+    x = state.rho_s[:, None, :] * state.basis
+    square, linear = kernels.one_lobe(*problem._arrays, x, state.G, state.rho_d, lobe)
+    G, (ends, cells) = state.G[lobe].copy(), at.readers
+    least = CLAMP * G.max()
+    for node in range(G.size):
+        readers = cells[ends[node] : ends[node + 1]]
+        quartic = kernels.node_quartic(*at.arrays[:4], readers, square, linear, G, node)
+        G[node] = best_component(quartic, G[node], least)
+    if smoothing:
+        G = gaussian_filter1d(G, smoothing, mode="nearest")
+    G = np.maximum(G, CLAMP * G.max())
+    return problem._with_G(state, np.stack([G if k == lobe else g for k, g in enumerate(state.G)]))
+
+
+def best_component(quartic: Array, now: float, least: float) -> float:
+    """Least point of a polynomial of degree 4 on [least, infinity).
+
+    Parameters
+    ----------
+    quartic : ndarray, shape (4,)
+        Coefficients of x, x^2, x^3 and x^4.
+    now : float
+        Taken where nothing is better.
+    least : float
+        Lower bound.
+    """
+    scale = np.abs(quartic).max()
+    if scale == 0:
+        return now
+    derivative = np.arange(4, 0, -1) * quartic[::-1] / scale
+    roots = np.roots(derivative)
+    real = roots.real[np.abs(roots.imag) <= 1e-9 * (1 + np.abs(roots.real))]
+    candidates = [now, *np.maximum(real, least)]
+    values = [np.polyval([*quartic[::-1], 0.0], x) for x in candidates]
+    return float(candidates[int(np.argmin(values))])

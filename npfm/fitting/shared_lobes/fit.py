@@ -1,0 +1,90 @@
+"""Fit shared lobes: starts compared with lobes that cannot die, then the best without that help."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+
+from npfm.fitting.factors.microfacet import G_NODES
+from npfm.fitting.fits import Trace
+from npfm.fitting.objective import Samples
+from npfm.fitting.shared_lobes.problem import SharedLobesProblem, State
+from npfm.fitting.shared_lobes.starts import slices, start_states
+from npfm.fitting.solvers.problem import Solver
+
+#: Bins of phi_d that starts are compared on: every n-th.
+THINNING = 6
+#: Least share of each lobe in the mean of a channel while starts are compared. With 0, random
+#: starts lose lobes for good, and end at many times the objective.
+ALIVE = 0.1
+#: Tolerances, in the solver's, of the fit of one lobe and of the comparison of starts.
+SINGLE, COMPARED = 1000.0, 30.0
+
+
+def fit_lobes(
+    samples: Sequence[Samples], solve: Solver, seed: int, lobes: int, starts: int, spline: bool
+) -> tuple[State, list[Trace]]:
+    """Fit lobes to channels that share them.
+
+    Parameters
+    ----------
+    samples : sequence of Samples
+        Folded measurements of the channels.
+    solve : Solver
+        A solver with its settings.
+    seed : int
+        Of the random starts.
+    lobes, starts : int
+        How many.
+    spline : bool
+        Whether G is read along a spline.
+
+    Returns
+    -------
+    state : State
+        Lobes from the narrowest to the widest: the same fit has the same numbers.
+    traces : list of Trace
+        The best first, from its start to its end; those of the others on thinned samples.
+    """
+    problem = SharedLobesProblem(samples, lobes, spline)
+    rough = _rough(samples, lobes, spline)
+    single = _rough(samples, 1, spline)
+    D, F = slices(samples)
+    first = single.state(D[None], F, np.ones((1, G_NODES)))
+    one, _ = solve(single, {"slices": first}, ease=SINGLE)
+    named = dict(islice(start_states(rough, one, seed), starts))
+    state, traces = solve(rough, named, ease=COMPARED)
+    best, *others = traces
+    state, (trace,) = solve(problem, {best.start: problem.unpack(rough.pack(state))})
+    return by_width(state, samples[0].grid.theta_h), [_joined(best, trace), *others]
+
+
+def _rough(samples: Sequence[Samples], lobes: int, spline: bool) -> SharedLobesProblem:
+    thinned = SharedLobesProblem(samples, lobes, spline, ALIVE, THINNING)
+    return thinned if thinned.energy else SharedLobesProblem(samples, lobes, spline, ALIVE)
+
+
+def _joined(before: Trace, after: Trace) -> Trace:
+    """Return the second of two runs, with the time and the iterations of the first."""
+    offset = before.seconds[-1]
+    return replace(
+        after,
+        iterations=before.iterations + after.iterations,
+        gss_calls=before.gss_calls + after.gss_calls,
+        seconds=tuple(offset + second for second in after.seconds),
+        compared=before.compared,
+    )
+
+
+def by_width(state: State, theta_h) -> State:
+    """Return the state with its lobes sorted by the mean theta_h of D."""
+    order = np.argsort((state.D @ theta_h) / state.D.sum(1), kind="stable")
+    wk, wkk, wrk = state.sums
+    return replace(
+        state,
+        D=state.D[order],
+        G=state.G[order],
+        rho_s=state.rho_s[:, order],
+        sums=(wk[..., order], wkk[..., order, :][..., order], wrk[..., order]),
+    )

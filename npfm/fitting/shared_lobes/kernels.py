@@ -1,0 +1,324 @@
+"""Passes over all samples of all channels of a fit of shared lobes, compiled.
+
+Samples lie as (channels, theta_h * theta_d, phi_d) arrays. Each reads every lobe's G at theta_i and
+theta_o, as sums of `taps` over the nodes from `first` on, which all channels have in common.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Nodes = NDArray[np.int16]
+
+
+@njit(cache=True)
+def kernel_sums(
+    weight: Array,
+    weighted_value: Array,
+    first_i: Nodes,
+    taps_i: Array,
+    first_o: Nodes,
+    taps_o: Array,
+    inverse_cosines: Array,
+    G: Array,
+) -> tuple[Array, Array, Array]:
+    """Sums over phi_d of wK, wKK' and wrK for the K of every lobe.
+
+    Parameters
+    ----------
+    G : ndarray, shape (lobes, nodes)
+
+    Returns
+    -------
+    wk, wkk, wrk : ndarray, shapes (channels, rows, lobes), with (lobes, lobes), (lobes,)
+    """
+    channels, rows, columns = weight.shape
+    lobes, taps = G.shape[0], taps_i.shape[2]
+    wk, wrk = np.zeros((channels, rows, lobes)), np.zeros((channels, rows, lobes))
+    wkk, k = np.zeros((channels, rows, lobes, lobes)), np.zeros(lobes)
+    for row in range(rows):
+        for p in range(columns):
+            inverse = inverse_cosines[row, p]
+            if inverse == 0.0:
+                continue
+            i, o = first_i[row, p], first_o[row, p]
+            for a in range(lobes):
+                g_i, g_o = 0.0, 0.0
+                for t in range(taps):
+                    g_i += taps_i[row, p, t] * G[a, i + t]
+                    g_o += taps_o[row, p, t] * G[a, o + t]
+                k[a] = g_i * g_o * inverse
+            for c in range(channels):
+                w, wr = weight[c, row, p], weighted_value[c, row, p]
+                if w == 0.0:
+                    continue
+                for a in range(lobes):
+                    wk[c, row, a] += w * k[a]
+                    wrk[c, row, a] += wr * k[a]
+                    for b in range(a + 1):
+                        wkk[c, row, a, b] += w * k[a] * k[b]
+    for a in range(lobes):
+        for b in range(a):
+            wkk[:, :, b, a] = wkk[:, :, a, b]
+    return wk, wkk, wrk
+
+
+@njit(cache=True)
+def normal_equations(
+    weight: Array,
+    weighted_value: Array,
+    first_i: Nodes,
+    taps_i: Array,
+    first_o: Nodes,
+    taps_o: Array,
+    inverse_cosines: Array,
+    D: Array,
+    F: Array,
+    G: Array,
+    rho_s: Array,
+    rho_d: Array,
+) -> tuple[Array, Array]:
+    """Gradient J'Wr and Gauss-Newton matrix J'WJ in (log D, log F, log G, log rho_s, rho_d).
+
+    With x = rho_s D F K for a channel c and a lobe a, the derivative of the model is x in the
+    logarithms of rho_s, of D and, summed over the lobes, of F. In log G of a node it is x times
+    the node's part of G(theta_i) and of G(theta_o). What a row of phi_d has in common, rho_s D F,
+    is multiplied in at its end.
+
+    Parameters
+    ----------
+    D, F, G : ndarray, shapes (lobes, theta_h), (channels, theta_d), (lobes, nodes)
+    rho_s, rho_d : ndarray, shapes (channels, lobes), (channels,)
+
+    Returns
+    -------
+    gradient : ndarray, shape (n,)
+    matrix : ndarray, shape (n, n)
+        Symmetric.
+    """
+    channels, rows, columns = weight.shape
+    lobes, nodes, taps = G.shape[0], G.shape[1], taps_i.shape[2]
+    nh, nd = D.shape[1], F.shape[1]
+    at_f = lobes * nh
+    at_g = at_f + channels * nd
+    at_s = at_g + lobes * nodes
+    at_d = at_s + channels * lobes
+    gradient, matrix = np.zeros(at_d + channels), np.zeros((at_d + channels, at_d + channels))
+    k, part, place = np.zeros(lobes), np.zeros((lobes, 2 * taps)), np.zeros(2 * taps, np.int64)
+    x, xx = np.zeros((channels, lobes)), np.zeros((channels, lobes, lobes))
+    sum_w, sum_wr = np.zeros(channels), np.zeros(channels)
+    wk, wrk = np.zeros((channels, lobes)), np.zeros((channels, lobes))
+    wkk = np.zeros((channels, lobes, lobes))
+    # Sums over a row of w K times the part of a node, and of w K K' times it.
+    row_k, row_kk = np.zeros((channels, lobes, nodes)), np.zeros((channels, lobes, lobes, nodes))
+    pair, slope = np.zeros((lobes, lobes)), np.zeros(lobes)
+    for row in range(rows):
+        h, d = row // nd, row % nd
+        for c in range(channels):
+            for a in range(lobes):
+                x[c, a] = rho_s[c, a] * D[a, h] * F[c, d]
+            for a in range(lobes):
+                for b in range(lobes):
+                    xx[c, a, b] = x[c, a] * x[c, b]
+        sum_w[:] = 0.0
+        sum_wr[:] = 0.0
+        wk[:] = 0.0
+        wrk[:] = 0.0
+        wkk[:] = 0.0
+        lowest, highest = nodes, -1
+        for p in range(columns):
+            inverse = inverse_cosines[row, p]
+            if inverse == 0.0:
+                continue
+            i, o = first_i[row, p], first_o[row, p]
+            lowest, highest = min(lowest, i, o), max(highest, i + taps - 1, o + taps - 1)
+            for a in range(lobes):
+                g_i, g_o = 0.0, 0.0
+                for t in range(taps):
+                    part[a, t] = taps_i[row, p, t] * G[a, i + t]
+                    part[a, taps + t] = taps_o[row, p, t] * G[a, o + t]
+                    g_i += part[a, t]
+                    g_o += part[a, taps + t]
+                k[a] = g_i * g_o * inverse
+                for t in range(taps):
+                    part[a, t] *= g_o * inverse
+                    part[a, taps + t] *= g_i * inverse
+                slope[a] = 0.0
+                for b in range(lobes):
+                    pair[a, b] = 0.0
+            for t in range(taps):
+                place[t], place[taps + t] = i + t, o + t
+            for c in range(channels):
+                w = weight[c, row, p]
+                if w == 0.0:
+                    continue
+                model = rho_d[c]
+                for a in range(lobes):
+                    model += x[c, a] * k[a]
+                wr = w * model - weighted_value[c, row, p]
+                sum_w[c] += w
+                sum_wr[c] += wr
+                for a in range(lobes):
+                    wk[c, a] += w * k[a]
+                    wrk[c, a] += wr * k[a]
+                    slope[a] += wr * x[c, a]
+                    for t in range(2 * taps):
+                        row_k[c, a, place[t]] += w * part[a, t]
+                    for b in range(lobes):
+                        wkk[c, a, b] += w * k[a] * k[b]
+                        pair[a, b] += w * xx[c, a, b]
+                        for t in range(2 * taps):
+                            row_kk[c, b, a, place[t]] += w * k[b] * part[a, t]
+            for a in range(lobes):
+                for t in range(2 * taps):
+                    at = at_g + a * nodes + place[t]
+                    gradient[at] += slope[a] * part[a, t]
+                    for b in range(a, lobes):
+                        product = pair[a, b] * part[a, t]
+                        for u in range(2 * taps):
+                            matrix[at, at_g + b * nodes + place[u]] += product * part[b, u]
+        for c in range(channels):
+            rho, f = at_d + c, at_f + c * nd + d
+            matrix[rho, rho] += sum_w[c]
+            gradient[rho] += sum_wr[c]
+            for a in range(lobes):
+                own, share = a * nh + h, at_s + c * lobes + a
+                for at in (own, f, share):
+                    gradient[at] += x[c, a] * wrk[c, a]
+                    matrix[at, rho] += x[c, a] * wk[c, a]
+                for b in range(lobes):
+                    product = xx[c, a, b] * wkk[c, a, b]
+                    if b >= a:
+                        matrix[own, b * nh + h] += product
+                        matrix[share, at_s + c * lobes + b] += product
+                    matrix[f, f] += product
+                    matrix[own, f] += product
+                    matrix[own, at_s + c * lobes + b] += product
+                    matrix[f, share] += product
+                for node in range(lowest, highest + 1):
+                    at = at_g + a * nodes + node
+                    matrix[at, rho] += row_k[c, a, node] * x[c, a]
+                    row_k[c, a, node] = 0.0
+                    for b in range(lobes):
+                        product = row_kk[c, b, a, node] * xx[c, a, b]
+                        row_kk[c, b, a, node] = 0.0
+                        matrix[b * nh + h, at] += product
+                        matrix[f, at] += product
+                        matrix[at, at_s + c * lobes + b] += product
+    for at in range(at_d + channels):
+        matrix[at + 1 :, at] = matrix[at, at + 1 :]
+    return gradient, matrix
+
+
+@njit(cache=True)
+def one_lobe(
+    weight: Array,
+    weighted_value: Array,
+    first_i: Nodes,
+    taps_i: Array,
+    first_o: Nodes,
+    taps_o: Array,
+    inverse_cosines: Array,
+    x: Array,
+    G: Array,
+    rho_d: Array,
+    lobe: int,
+) -> tuple[Array, Array]:
+    """Objective of every sample as a function of G(theta_i) G(theta_o) of one lobe alone.
+
+    It is a t^2 - 2 b t plus a constant, all channels together.
+
+    Parameters
+    ----------
+    x : ndarray, shape (channels, rows, lobes)
+        What stands before K: rho_s D F.
+
+    Returns
+    -------
+    a, b : ndarray, shape (rows, phi_d)
+    """
+    channels, rows, columns = weight.shape
+    lobes, taps = G.shape[0], taps_i.shape[2]
+    square, linear = np.zeros((rows, columns)), np.zeros((rows, columns))
+    k = np.zeros(lobes)
+    for row in range(rows):
+        for p in range(columns):
+            inverse = inverse_cosines[row, p]
+            if inverse == 0.0:
+                continue
+            i, o = first_i[row, p], first_o[row, p]
+            for a in range(lobes):
+                g_i, g_o = 0.0, 0.0
+                for t in range(taps):
+                    g_i += taps_i[row, p, t] * G[a, i + t]
+                    g_o += taps_o[row, p, t] * G[a, o + t]
+                k[a] = g_i * g_o * inverse
+            k[lobe] = 0.0
+            for c in range(channels):
+                w = weight[c, row, p]
+                if w == 0.0:
+                    continue
+                others = rho_d[c]
+                for a in range(lobes):
+                    others += x[c, row, a] * k[a]
+                y = x[c, row, lobe] * inverse
+                square[row, p] += w * y * y
+                linear[row, p] += (weighted_value[c, row, p] - w * others) * y
+    return square, linear
+
+
+@njit(cache=True)
+def node_quartic(
+    first_i: Nodes,
+    taps_i: Array,
+    first_o: Nodes,
+    taps_o: Array,
+    readers: NDArray[np.int32],
+    square: Array,
+    linear: Array,
+    G: Array,
+    node: int,
+) -> Array:
+    """Coefficients of the objective as a polynomial in one node of G, the constant left out.
+
+    Equations 5 to 7 of Peng et al. 2017: a sample that reads the node at one of its places adds a
+    parabola, one that reads it at both a quartic.
+
+    Parameters
+    ----------
+    readers : ndarray, shape (n,)
+        Flat indices of the samples that read the node.
+    square, linear : ndarray, shape (rows, phi_d)
+        See `one_lobe`.
+    G : ndarray, shape (nodes,)
+
+    Returns
+    -------
+    ndarray, shape (4,)
+        Of x, x^2, x^3 and x^4.
+    """
+    columns, taps, found = first_i.shape[1], taps_i.shape[2], np.zeros(4)
+    for sample in readers:
+        row, p = sample // columns, sample % columns
+        a, b = square[row, p], linear[row, p]
+        if a == 0.0:
+            continue
+        rest_i, rest_o, share_i, share_o = 0.0, 0.0, 0.0, 0.0
+        for t in range(taps):
+            at_i, at_o = first_i[row, p] + t, first_o[row, p] + t
+            if at_i == node:
+                share_i = taps_i[row, p, t]
+            else:
+                rest_i += taps_i[row, p, t] * G[at_i]
+            if at_o == node:
+                share_o = taps_o[row, p, t]
+            else:
+                rest_o += taps_o[row, p, t] * G[at_o]
+        # G(theta_i) G(theta_o) = zero + one x + two x^2
+        zero, one, two = rest_i * rest_o, rest_i * share_o + rest_o * share_i, share_i * share_o
+        found[0] += 2 * one * (a * zero - b)
+        found[1] += a * one * one + 2 * two * (a * zero - b)
+        found[2] += 2 * a * one * two
+        found[3] += a * two * two
+    return found
