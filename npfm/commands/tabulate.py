@@ -3,7 +3,7 @@
 import argparse
 
 from npfm.commands.outputs import output
-from npfm.commands.sources import tabulated
+from npfm.fitting.registry import tabulated
 from npfm.reflectance.merl import BINARY, write_binary
 
 EXAMPLE = """\

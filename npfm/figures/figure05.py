@@ -7,9 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from npfm.errors import NpfmError
 from npfm.figures import slice_axes, style
-from npfm.fitting import fits
+from npfm.fitting import registry
 from npfm.fitting.objective import (
     COMPRESSION_ALPHA,
     Objective,
@@ -22,7 +21,6 @@ from npfm.fitting.objective import (
 from npfm.reflectance.merl import read_binary
 from npfm.reflectance.table import Table
 
-MODELS = ("independent-g", "g-from-d", "naive")
 HEADING, PITCH = 0.45, 1.62  # inches
 
 
@@ -30,9 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the figure is made from."""
     parser.add_argument("--run", required=True, help="folder of the run")
     parser.add_argument("--materials", nargs="+", required=True, help="rows")
-    parser.add_argument(
-        "--variants", nargs="+", required=True, help=f"columns: {', '.join(MODELS)}"
-    )
+    parser.add_argument("--variants", nargs="+", required=True, help="columns")
 
 
 def make(arguments: argparse.Namespace) -> Figure:
@@ -44,19 +40,9 @@ def make(arguments: argparse.Namespace) -> Figure:
 def _row(run: str, material: str, variants: Sequence[str]) -> dict[str, NDArray]:
     measured = read_binary(f"{run}/materials/{material}.binary")
     tables = {"measured": measured}
-    tables |= {v: _tabulate(f"{run}/fits/{v}/{material}.npz") for v in variants}
+    tables |= {v: registry.tabulated(f"{run}/fits/{v}/{material}.npz") for v in variants}
     scale = median(measured)
     return {name: shown(table, scale) for name, table in tables.items()}
-
-
-def _tabulate(path: str) -> Table:
-    from npfm.models import g_from_d, independent_g, naive  # numba takes its time to load
-
-    models = dict(zip(MODELS, (independent_g, g_from_d, naive), strict=True))
-    fit = fits.load(path)
-    if fit.model not in models:
-        raise NpfmError(f"{path}: a fit of {fit.model}; give one of {', '.join(MODELS)}")
-    return fits.tabulate(path, fit, models[fit.model])
 
 
 def median(table: Table) -> float:

@@ -17,6 +17,8 @@ from typing import Any
 
 from npfm.declarations import named_files
 from npfm.errors import NpfmError, suggest
+from npfm.fitting import fits
+from npfm.reflectance.table import Table
 
 FOLDER = Path(__file__).parents[1] / "models"
 #: Non-parametric models that need none of our solvers.
@@ -133,3 +135,19 @@ def model(name: str) -> ModuleType:
         If there is no model of that name, or its file lacks one of the three.
     """
     return declared(name).load()
+
+
+def tabulated(path: str | Path) -> Table:
+    """Values of a fit out of a file (``.npz``), by the model that made it.
+
+    Raises
+    ------
+    NpfmError
+        If the file is no fit, its model is unknown, or its arrays are not those of its model.
+    """
+    fit = fits.load(path)
+    try:
+        module = model(fit.model)
+    except NpfmError as error:
+        raise NpfmError(f"{path}: {error}") from error
+    return fits.tabulate(path, fit, module)

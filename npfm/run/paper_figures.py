@@ -1,8 +1,9 @@
 """What Figures 3 to 7 and 9 to 16 are drawn from, as far as a run has it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from npfm.figures.compared import LABELS, compared
+from npfm.fitting import registry
 from npfm.papers.captions import CAPTIONS, chosen
 from npfm.run.config import Run
 from npfm.run.weighting import MODELS, Weighting
@@ -21,11 +22,14 @@ class Drawn:
         Of ``npfm figure``.
     label : str
         What it is, in a list of figures.
+    models : list of str
+        Modules of the models whose fits it evaluates.
     """
 
     files: list[str]
     arguments: list[str]
     label: str
+    models: list[str] = field(default_factory=list)
 
 
 def drawn(run: Run, weighting: Weighting) -> dict[str, Drawn]:
@@ -51,7 +55,8 @@ def _slices(run: Run, models: list[str]) -> Drawn:
     materials = chosen(CAPTIONS[5], run.materials)
     files = _tables(run, materials) + [f for m in models for f in _fits(run, m, materials)]
     names = ["--materials", *materials, "--variants", *models]
-    return Drawn(files, ["--run", run.folder, *names], "5: measured and fitted slices")
+    modules = [registry.declared(model).module for model in models]
+    return Drawn(files, ["--run", run.folder, *names], "5: measured and fitted slices", modules)
 
 
 def _factors(run: Run) -> Drawn:

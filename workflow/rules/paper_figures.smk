@@ -88,7 +88,7 @@ for FIGURE, HOW in DRAWN.items():
             runtime=5,
         params:
             figure=FIGURE,
-            code=command_code("figure", f"npfm.figures.{FIGURE}"),
+            code=command_code("figure", f"npfm.figures.{FIGURE}", *HOW.models),
             arguments=lambda wildcards, how=HOW: how.arguments,
         shell:
             "python -m npfm figure {params.figure} {params.arguments:q} -o {output:q} 2> {log:q}"
