@@ -19,7 +19,8 @@ from npfm.rendering.sampling.strategy import Given
 GRID = HalfDifference(18, 18, 36)
 VIEWS = [0.0, 30.0, 65.0, 85.0]
 #: Arrays of a fit of `TABLE`, for the strategies that need one.
-PARAMETERS: dict[str, dict[str, np.ndarray]] = {}
+FACETS = {"D": np.exp(-((GRID.theta_h[None] / 0.2) ** 2)) + 0.01}
+PARAMETERS: dict[str, dict[str, np.ndarray]] = {"quantiles": FACETS, "visible-slopes": FACETS}
 
 
 def table():
