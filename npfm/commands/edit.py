@@ -7,6 +7,13 @@ from npfm.commands.outputs import output
 from npfm.errors import NpfmError
 from npfm.fitting import fits, registry
 
+#: What a digest covers beside this file (`npfm.run.provenance`).
+CODE = (
+    "npfm.commands.numbers",
+    "npfm.commands.outputs",
+    "npfm.fitting.fits",
+    "npfm.fitting.registry",
+)
 EXAMPLE = """\
 example:
   python -m npfm edit chrome.npz --roughness 2 -o rougher.npz

@@ -15,6 +15,18 @@ from npfm.papers import dupuy2015
 from npfm.storage.names import distinct
 from npfm.storage.pictures import EXR, write_exr_parts
 
+#: What a digest covers beside this file (`npfm.run.provenance`).
+CODE = (
+    "npfm.commands.numbers",
+    "npfm.commands.outputs",
+    "npfm.evaluation.delta_e",
+    "npfm.evaluation.power_iterations",
+    "npfm.evaluation.tables",
+    "npfm.fitting.fits",
+    "npfm.papers.dupuy2015",
+    "npfm.storage.names",
+    "npfm.storage.pictures",
+)
 EXAMPLE = """\
 examples:
   python -m npfm power-iterations recovery -o recovery.csv

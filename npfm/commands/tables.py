@@ -13,6 +13,8 @@ from npfm.papers.table1 import table1
 CODE = (
     "npfm.commands.outputs",
     "npfm.evaluation.tables",
+    "npfm.papers.bagher2016",
+    "npfm.papers.table1",
 )
 #: And what it covers for some of the kinds.
 CODE_OF_KIND = {

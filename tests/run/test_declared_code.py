@@ -99,6 +99,8 @@ CALLS = [
         "effects-cost compare scenes/A --tables chalk.binary --fits fits/naive/chalk.npz"
         " -o x.csv --pictures y.exr",
     ),
+    ("power-iterations timing", [], "power-iterations timing --repeats 1 -o x.csv"),
+    ("edit", models("power-iteration"), "edit power.npz --roughness 2 -o x.npz"),
     ("stability gather", [], "stability gather stability.csv -o x.csv"),
 ]
 
@@ -112,6 +114,7 @@ def folder(tmp_path_factory):
         f"material --synthetic chalk -o {folder}/materials/chalk.binary",
         f"fit {folder}/materials/chalk.binary --model naive --max-iterations 1"
         f" -o {folder}/fits/naive/chalk.npz",
+        f"fit {folder}/materials/chalk.binary --model power-iteration -o {folder}/power.npz",
         f"light --generate grove --height 8 -o {folder}/lights/grove.exr",
         f"scene --light {folder}/lights/grove.exr --objects sphere --resolution 8 --samples 8"
         f" --record {folder}/scenes/A.json -o {folder}/scenes/A",

@@ -46,7 +46,7 @@ use rule npfm as table1 with:
         f"{OUT}/logs/figures/table1.log",
     params:
         verb="tables table1",
-        code=digest(("npfm.papers.table1",), ("npfm.commands.tables",)),
+        code=TABLES_CODE,
         files=lambda wildcards, input, output: ["--fits", *input, "-o", *output],
 
 

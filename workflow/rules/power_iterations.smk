@@ -1,10 +1,7 @@
 from npfm.run.power_iterations import FACTORS, MODEL, plan as plan_power_iterations
 
 POWER = plan_power_iterations(RUN)
-POWER_CODE = digest(
-    ("npfm.evaluation.power_iterations", "npfm.evaluation.delta_e"),
-    ("npfm.commands.power_iterations",),
-)
+POWER_CODE = command_code("power-iterations")
 
 
 localrules:
@@ -53,7 +50,7 @@ use rule npfm as power_iterations_edit with:
         factor=any_of(FACTORS),
     params:
         verb="edit",
-        code=digest(("npfm.models.power_iteration",), ("npfm.commands.edit",)),
+        code=command_code("edit", *POWER.study.model_modules(MODEL)),
         files=lambda wildcards, input, output: [*input, "-o", output.fit],
         options=lambda wildcards: ["--roughness", wildcards.factor],
 
@@ -201,8 +198,8 @@ use rule npfm as power_iterations_figure with:
         figure=any_of(POWER_FIGURES),
     params:
         verb=lambda wildcards: f"figure {wildcards.figure}",
-        code=lambda wildcards: digest(
-            (f"npfm.figures.{wildcards.figure}",), ("npfm.commands.figure",)
+        code=lambda wildcards: command_code(
+            "figure", f"npfm.figures.{wildcards.figure}"
         ),
         files=lambda wildcards, output: ["-o", *output],
         options=lambda wildcards: POWER_FIGURES[wildcards.figure][1],
