@@ -29,7 +29,7 @@ SHARED = ("D", "G", "spline")
 RANDOM = True
 SETTINGS = {
     "lobes": "how many lobes, 1 to 5 (default: 3)",
-    "starts": "the first so many of the four starts (default: 4)",
+    "starts": "the first so many of the three starts (default: 3)",
     "spline": "1 to read G along a Catmull-Rom spline, 0 linearly (default: 0)",
 }
 FREEDOMS = 9  # scalings of three D, three G and three F that rho_s takes up
@@ -87,7 +87,7 @@ def fit(
 
     def fit_together(samples: Sequence[Samples]) -> CoupledFit:
         # In an order of their own: permuted channels have permuted fits, to the last bit.
-        order = np.lexsort([[s.floor, s.energy, s.scale] for s in samples])
+        order = np.lexsort(np.transpose([[s.floor, s.energy, s.scale] for s in samples]))
         state, traces = fit_lobes(
             [samples[k] for k in order], solve, seed, lobes, starts, bool(spline)
         )

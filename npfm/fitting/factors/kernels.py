@@ -35,20 +35,20 @@ def _warn_once() -> None:
     warnings.warn(UNCACHED, NpfmWarning, stacklevel=1)
 
 
-def _compiled(signature: str) -> Callable[[Pass], Pass]:
+def compiled(signature: str) -> Callable[[Pass], Pass]:
     """Return a decorator that compiles for a signature at once, cached where that is possible."""
 
-    def compiled(function: Pass) -> Pass:
+    def decorated(function: Pass) -> Pass:
         try:
             return cast(Pass, njit(signature, cache=True)(function))
         except (RuntimeError, OSError):  # numba finds no place for it, or the place is full
             _warn_once()
             return cast(Pass, njit(signature)(function))
 
-    return compiled
+    return decorated
 
 
-@_compiled(f"({SAMPLES}, f8[::1])")
+@compiled(f"({SAMPLES}, f8[::1])")
 def kernel_sums(
     weight: Array,
     weighted_value: Array,
@@ -77,7 +77,7 @@ def kernel_sums(
     return wk, wkk, wrk
 
 
-@_compiled(f"({SAMPLES}, f8[::1], f8, f8[::1])")
+@compiled(f"({SAMPLES}, f8[::1], f8, f8[::1])")
 def masking_shadowing_equations(
     weight: Array,
     weighted_value: Array,
@@ -126,7 +126,7 @@ def masking_shadowing_equations(
     return diagonal, beside, right
 
 
-@_compiled("(f8[::1], f8[:,::1], f8[::1], i8, i8, f8, f8, f8)")
+@compiled("(f8[::1], f8[:,::1], f8[::1], i8, i8, f8, f8, f8)")
 def _eliminate(
     gradient: Array,
     matrix: Array,
@@ -149,7 +149,7 @@ def _eliminate(
             matrix[k, other] -= share * row_g[other]
 
 
-@_compiled(f"({SAMPLES}, f8[:,::1], f8[::1], f8, b1)")
+@compiled(f"({SAMPLES}, f8[:,::1], f8[::1], f8, b1)")
 def normal_equations(
     weight: Array,
     weighted_value: Array,

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-def updated_D(problem: "SharedLobesProblem", state: State, lobe: int) -> State:
+def updated_D(problem: "SharedLobesProblem", lobe: int, state: State) -> State:
     """Best D of a lobe, all else held: each component is a quotient of sums of all channels."""
     wk, wkk, wrk = state.sums
     x = state.rho_s[:, None, :] * state.basis
@@ -54,7 +54,7 @@ def _per_bin(
     return quotient(numerator, denominator, before, CLAMP)
 
 
-def updated_G(problem: "SharedLobesProblem", state: State, lobe: int, smoothing: float) -> State:
+def updated_G(problem: "SharedLobesProblem", lobe: int, smoothing: float, state: State) -> State:
     """Minimise over the components of a lobe's G one after the other, exactly (section 2.3).
 
     In one component the objective is a polynomial of degree 4. Of the real roots of its
@@ -68,7 +68,7 @@ def updated_G(problem: "SharedLobesProblem", state: State, lobe: int, smoothing:
     from scipy.ndimage import gaussian_filter1d
 
     kernels, at = compiled(), problem.places
-    x = state.rho_s[:, None, :] * state.basis
+    x = np.ascontiguousarray(state.rho_s[:, None, :] * state.basis)
     square, linear = kernels.one_lobe(*problem._arrays, x, state.G, state.rho_d, lobe)
     G, (ends, cells) = state.G[lobe].copy(), at.readers
     least = CLAMP * G.max()

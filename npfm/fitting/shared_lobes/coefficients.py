@@ -48,6 +48,8 @@ def _scaled(matrix: Array, right: Array, lower: Array) -> Array:
             x[open_] = np.linalg.solve(inner, right[open_] - matrix[np.ix_(open_, shut)] @ x[shut])
             if (x < lower).any():
                 continue
+        if not shut.size:
+            return x  # the least of all, and within the bounds
         value = x @ matrix @ x - 2 * right @ x
         if value < least:
             best, least = x, value

@@ -2,17 +2,23 @@
 
 Samples lie as (channels, theta_h * theta_d, phi_d) arrays. Each reads every lobe's G at theta_i and
 theta_o, as sums of `taps` over the nodes from `first` on, which all channels have in common.
+They are compiled as those of one channel are (`npfm.fitting.factors.kernels`).
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from npfm.fitting.factors.kernels import compiled
 
 Array = NDArray[np.float64]
 Nodes = NDArray[np.int16]
 
+#: Types of what most passes take: first_i, taps_i, first_o and taps_o, then all with the samples.
+PLACES = "i2[:,::1], f8[:,:,::1], i2[:,::1], f8[:,:,::1]"
+SAMPLES = f"f8[:,:,::1], f8[:,:,::1], {PLACES}, f8[:,::1]"
 
-@njit(cache=True)
+
+@compiled(f"({SAMPLES}, f8[:,::1])")
 def kernel_sums(
     weight: Array,
     weighted_value: Array,
@@ -64,7 +70,7 @@ def kernel_sums(
     return wk, wkk, wrk
 
 
-@njit(cache=True)
+@compiled(f"({SAMPLES}, {', '.join(['f8[:,::1]'] * 4)}, f8[::1])")
 def normal_equations(
     weight: Array,
     weighted_value: Array,
@@ -211,7 +217,7 @@ def normal_equations(
     return gradient, matrix
 
 
-@njit(cache=True)
+@compiled(f"({SAMPLES}, f8[:,:,::1], f8[:,::1], f8[::1], i8)")
 def one_lobe(
     weight: Array,
     weighted_value: Array,
@@ -268,7 +274,7 @@ def one_lobe(
     return square, linear
 
 
-@njit(cache=True)
+@compiled(f"({PLACES}, i4[::1], f8[:,::1], f8[:,::1], f8[::1], i8)")
 def node_quartic(
     first_i: Nodes,
     taps_i: Array,

@@ -8,7 +8,7 @@ rules, and a brighter table has the same fit.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from types import ModuleType
 
 import numpy as np
@@ -162,10 +162,11 @@ class SharedLobesProblem:
     def _equations(self, state: State, channel: int) -> tuple[Array, Array]:
         """Matrix and right-hand side of rho_d and the rho_s of a channel."""
         B, (wk, wkk, wrk) = state.basis[channel], (x[channel] for x in state.sums)
-        border = np.einsum("rl,rl->l", B, wk)
-        inner = np.einsum("rl,rm,rlm->lm", B, B, wkk, optimize=True)
-        matrix = np.block([[self._w[channel], border], [border[:, None], inner]])
-        return matrix, np.append(self._wr[channel], np.einsum("rl,rl->l", B, wrk))
+        matrix = np.empty((self.lobes + 1, self.lobes + 1))
+        matrix[0, 0] = self._w[channel]
+        matrix[0, 1:] = matrix[1:, 0] = np.sum(B * wk, axis=0)
+        matrix[1:, 1:] = np.sum(B[:, :, None] * B[:, None, :] * wkk, axis=0)
+        return matrix, np.append(self._wr[channel], np.sum(B * wrk, axis=0))
 
     def with_coefficients(self, state: State) -> State:
         """Return the state with its best rho_d >= 0 and rho_s, no lobe being quite without."""
@@ -177,8 +178,8 @@ class SharedLobesProblem:
             reached[0] = False
             lower[reached] = self.floor * right[0] / matrix[0, reached]
             found.append(bounded_least_squares(matrix, right, lower))
-        found = np.array(found)
-        return replace(state, rho_d=found[:, 0], rho_s=found[:, 1:])
+        rho_d, *rho_s = np.array(found).T.copy()
+        return replace(state, rho_d=rho_d, rho_s=np.stack(rho_s, axis=1))
 
     def objective(self, state: State) -> float:
         """Mean over the channels of the objective of equation 7 as a share, the floor included."""
@@ -274,19 +275,24 @@ class SharedLobesProblem:
         """The paper's updates; G is smoothed only for specular materials, and not in the end."""
         from npfm.fitting.shared_lobes import alternating
 
+        def exact(update: Callable[[State], State]) -> Callable[[State], State]:
+            """Leave a state as it is where only rounding makes its best component worse."""
+
+            def guarded(state: State) -> State:
+                candidate = update(state)
+                return candidate if self.objective(candidate) <= self.objective(state) else state
+
+            return guarded
+
         def sweep(smoothing: float) -> tuple[Callable[[State], State], ...]:
+            every = range(self.lobes)
             inner = [
-                *(
-                    lambda s, lobe=lobe: alternating.updated_D(self, s, lobe)
-                    for lobe in range(self.lobes)
-                ),
-                lambda s: alternating.updated_F(self, s),
+                *(partial(alternating.updated_D, self, lobe) for lobe in every),
+                partial(alternating.updated_F, self),
                 self.with_coefficients,
             ]
-            outer = [
-                lambda s, lobe=lobe: alternating.updated_G(self, s, lobe, smoothing)
-                for lobe in range(self.lobes)
-            ]
-            return (*inner * INNER_SWEEPS, *outer)
+            outer = [partial(alternating.updated_G, self, lobe, smoothing) for lobe in every]
+            inner = [exact(update) for update in inner]
+            return (*inner * INNER_SWEEPS, *(outer if smoothing else map(exact, outer)))
 
         return (sweep(SMOOTHING), sweep(0.0)) if self.specular else (sweep(0.0),)

@@ -12,7 +12,7 @@ from npfm.fitting.shared_lobes.problem import CLAMP, SharedLobesProblem, State
 
 Array = NDArray[np.float64]
 
-STARTS, RANDOM_STARTS = 4, 2
+STARTS, RANDOM_STARTS = 3, 1
 #: Widths of the widths start, and powers of the powers start, span this factor up and down.
 WIDTHS, POWERS = 3.0, 2.0
 #: Where GGX has half its height: tan(theta_h) = 0.64 alpha.

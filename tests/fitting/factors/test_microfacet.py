@@ -60,7 +60,7 @@ def test_a_cache_that_is_full_is_done_without(monkeypatch):
     monkeypatch.setattr(kernels, "njit", full)
     kernels._warn_once.cache_clear()
     with pytest.warns(NpfmWarning, match="NUMBA_CACHE_DIR"):
-        assert kernels._compiled("f8(f8)")(abs) is abs
+        assert kernels.compiled("f8(f8)")(abs) is abs
 
 
 VALUES = {IndependentGProblem: microfacet, GFromDProblem: microfacet, NaiveProblem: naive}
