@@ -5,6 +5,7 @@ import numpy as np
 from npfm.rendering.lights.places.shapes import (
     Array,
     Hit,
+    Mask,
     bulbs,
     dome,
     lit,
@@ -97,7 +98,7 @@ def _paint(eye: Array, direction: Array, hit: Hit) -> Array:
     return result
 
 
-def _daylight(points: Array, inside: Array, brightness: float) -> Array:
+def _daylight(points: Array, inside: Mask, brightness: float) -> Array:
     panes = (np.abs(repeat(points[:, 1], 0.8)) < 0.36) & inside
     return (panes * brightness)[:, None] * (1.0, 1.05, 1.2)
 

@@ -5,6 +5,7 @@ import numpy as np
 from npfm.rendering.lights.places.shapes import (
     Array,
     Hit,
+    Mask,
     bulbs,
     lit,
     noise,
@@ -76,7 +77,7 @@ def _paint(eye: Array, direction: Array, hit: Hit) -> Array:
     return result
 
 
-def _glass(points: Array, inside: Array, brightness: Array | float) -> Array:
+def _glass(points: Array, inside: Mask, brightness: Array | float) -> Array:
     """Leaded panes in four colours."""
     panes = np.floor(points * 2.2) / 2.2
     colour = GLASS[np.clip((noise(panes * 3.1, 31) * 4.8 - 0.4).astype(int), 0, 3)]

@@ -1,5 +1,6 @@
 """A wood with gaps of sky in the leaves and dappled ground, after the Eucalyptus Grove."""
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -18,14 +19,16 @@ BARK = np.array([0.30, 0.25, 0.20])
 LEAF = np.array([0.13, 0.16, 0.055])
 LITTER = np.array([0.40, 0.25, 0.13])
 MIST = np.array([0.55, 0.60, 0.58])
+#: Which of some directions meet a part of the wood, and its colour where they do.
+Part = Callable[[Array], tuple[Mask, Array]]
 
 
 def radiance(direction: Array) -> Array:
     """Radiance from unit vectors of shape (n, 3), in the units of the Eucalyptus Grove probe."""
     result = np.empty_like(direction)
     free = np.arange(len(direction))
-    leaves = [partial(_leaves, 100 + 10 * k, *place) for k, place in enumerate(LEAVES)]
-    for part in (_trunks, _ground, *leaves, _sky):
+    leaves: list[Part] = [partial(_leaves, 100 + 10 * k, *place) for k, place in enumerate(LEAVES)]
+    for part in [_trunks, _ground, *leaves, _sky]:
         seen, colour = part(direction[free])
         result[free[seen]] = colour
         free = free[~seen]
@@ -61,7 +64,7 @@ def _leaves(seed: int, kind: str, size: float, direction: Array) -> tuple[Mask, 
         bushes = 0.66 - 0.5 * np.exp(-np.maximum(height, 0) / (0.11 * size))
         threshold = np.minimum(bushes, 0.66 - 0.085 * np.clip((height - 3) / 5, 0, 1))
     else:
-        threshold = 0.565
+        threshold = np.array(0.565)
     seen = (reach > 0.1) & (cover > threshold)
     points, direction = points[seen], direction[seen]
     tone = 2.2 * noise(points * 6, seed + 5, 2) ** 2 + 0.12
@@ -100,7 +103,7 @@ def _trunks(direction: Array) -> tuple[Mask, Array]:
         # A leaning trunk is an upright one for rays that lean the other way.
         sheared = direction[near]
         sheared[:, [0, 2]] -= sheared[:, 1:2] * lean[k]
-        distance, normal = pillar(EYE, sheared, *place, radius[k])
+        distance, normal = pillar(EYE, sheared, place[0], place[1], radius[k])
         (hit,) = np.nonzero(distance < nearest[near])
         points = direction[near[hit]] * distance[hit, None]
         height = points[:, 1]

@@ -15,6 +15,7 @@ from scipy.ndimage import map_coordinates
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Hit = tuple[Array, Array]
+Triple = tuple[float, float, float]
 #: Cells of a noise lattice along an axis, after which the noise repeats.
 PERIOD = 48
 #: Stands for zero where it would be divided by.
@@ -111,9 +112,7 @@ def pillar(eye: Array, direction: Array, x: float, z: float, radius: float) -> H
     return distance, normal
 
 
-def _leaving(
-    eye: Array, direction: Array, centre: ArrayLike, axes: ArrayLike, radius: float
-) -> Hit:
+def _leaving(eye: Array, direction: Array, centre: Triple, axes: Triple, radius: float) -> Hit:
     """Where rays leave a sphere, or a cylinder along the axis whose entry in `axes` is zero."""
     across, offset = direction * axes, (eye - centre) * axes
     a = np.maximum(np.einsum("ij,ij->i", across, across), TINY)
