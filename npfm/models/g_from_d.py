@@ -124,21 +124,7 @@ def fit_samples(samples: Samples, solve: Solver, starts: int = STARTS) -> tuple[
 def fit(table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
     """Fit the model from two starts and keep the better.
 
-    Parameters
-    ----------
-    table : Table
-        Measured BRDF in 1/sr.
-    objective : Objective
-        Weights and range.
-    solve : Solver
-        A solver with its settings.
-    seed : int
-        Not needed: no start is random.
-
-    Raises
-    ------
-    NpfmError
-        If a channel has no sample that counts.
+    `npfm.models` says what every `fit` takes and raises.
     """
     compiled()
 

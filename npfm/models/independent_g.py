@@ -114,23 +114,12 @@ def fit(
 ) -> Fit:
     """Fit the model from several starts and keep the best.
 
+    `npfm.models` says what every `fit` takes and raises.
+
     Parameters
     ----------
-    table : Table
-        Measured BRDF in 1/sr.
-    objective : Objective
-        Weights and range.
-    solve : Solver
-        A solver with its settings.
-    seed : int
-        Seed of the random starts.
     starts : int
         How many: the first ones of `start_states`.
-
-    Raises
-    ------
-    NpfmError
-        If there are not as many starts, or a channel has no sample that counts.
     """
     if not 1 <= starts <= STARTS:
         raise NpfmError(f"{starts} starts of {NAME}: give a number from 1 to {STARTS}")

@@ -193,23 +193,12 @@ def parameter_count(grid: HalfDifference, rank: int = RANK) -> int:
 def fit(table: Table, objective: Objective, solve: Solver, seed: int, *, rank: int = RANK) -> Fit:
     """Fit bivariate-g, then compress its B from several starts and keep the best.
 
+    `npfm.models` says what every `fit` takes and raises.
+
     Parameters
     ----------
-    table : Table
-        Measured BRDF in 1/sr.
-    objective : Objective
-        Weights and range.
-    solve : Solver
-        A solver with its settings, for bivariate-g.
-    seed : int
-        Seed of the random starts.
     rank : int
         Number of products in B.
-
-    Raises
-    ------
-    NpfmError
-        If the rank is not possible, or a channel has no sample that counts.
     """
     most = min(table.grid.shape[:2])
     if not 1 <= rank <= most:

@@ -116,21 +116,7 @@ def parameter_count(grid: HalfDifference) -> int:
 def fit(table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
     """Fit the naive model from a start of ones, in a single run as in the paper.
 
-    Parameters
-    ----------
-    table : Table
-        Measured BRDF in 1/sr.
-    objective : Objective
-        Weights and range.
-    solve : Solver
-        A solver with its settings.
-    seed : int
-        Not needed: no start is random.
-
-    Raises
-    ------
-    NpfmError
-        If a channel has no sample that counts.
+    `npfm.models` says what every `fit` takes and raises.
     """
 
     def fit_channel(samples: Samples, channel: int) -> ChannelFit:

@@ -54,27 +54,16 @@ def fit(
 ) -> Fit:
     """Fit the model from several starts and keep the best.
 
+    `npfm.models` says what every `fit` takes and raises.
+
     Parameters
     ----------
-    table : Table
-        Measured BRDF in 1/sr.
-    objective : Objective
-        Weights and range.
-    solve : Solver
-        A solver with its settings.
-    seed : int
-        Seed of the random starts.
     lobes : int
         Number of lobes.
     starts : int
         How many starts, and which: the first ones of `start_states`.
     spline : int
         Whether G is read along a spline: 0 or 1.
-
-    Raises
-    ------
-    NpfmError
-        If a setting is out of its range, or a channel has no sample that counts.
     """
     for name, value, least, most in (
         ("lobes", lobes, 1, MOST_LOBES),

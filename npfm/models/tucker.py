@@ -197,23 +197,12 @@ def parameter_count(grid: HalfDifference) -> int:
 def fit(table: Table, objective: Objective, solve: Solver, seed: int, *, sweeps: int = 0) -> Fit:
     """Resample each channel, take the logarithm, and decompose it; nothing in it is random.
 
+    `npfm.models` says what every `fit` takes and raises.
+
     Parameters
     ----------
-    table : Table
-        Measured BRDF in 1/sr.
-    objective : Objective
-        Which samples count; its weights do not, but in the record.
-    solve : Solver
-        Not needed.
-    seed : int
-        Not needed.
     sweeps : int
         Joint improvements of all products.
-
-    Raises
-    ------
-    NpfmError
-        If a channel has no sample that counts.
     """
     parameters, records = fit_channels(
         table,
