@@ -86,11 +86,11 @@ class GFromDProblem(MicrofacetProblem):
 
     def _with_G(self, state: State) -> State:
         G = self.smith(state.factors.D)
-        return State(replace(state.factors, third=G), self.sums(G))
+        return State(replace(state.factors, modulation=G), self.sums(G))
 
     def between(self, before: State, after: State, t: float) -> State:
         """Interpolate D, F and the coefficients, and derive G from the D between."""
-        if before.factors.third is after.factors.third:
+        if before.factors.modulation is after.factors.modulation:
             return super().between(before, after, t)
         D = (1 - t) * before.factors.D + t * after.factors.D
         return self._with_G(before.with_factors(D=D))

@@ -56,12 +56,12 @@ class IndependentGProblem(MicrofacetProblem):
 
     def _updated_G(self, state: State, smoothing: float) -> State:
         f = state.factors
-        G = self.updated_G(f.rho_s * state.product, f.rho_d, f.third, smoothing)
-        return State(replace(f, third=G), self.sums(G))
+        G = self.updated_G(f.rho_s * state.product, f.rho_d, f.modulation, smoothing)
+        return State(replace(f, modulation=G), self.sums(G))
 
     def along(self, before: State, after: State) -> Callable[[float], float]:
         """Objective between two states; between two G it is a polynomial of degree 4 in t."""
-        if before.factors.third is after.factors.third:
+        if before.factors.modulation is after.factors.modulation:
             return super().along(before, after)
         t = np.linspace(0, 1, 5)
         values = [self.objective(self.between(before, after, x)) for x in t]
@@ -99,7 +99,7 @@ def start_states(
         yield f"random-{k + 1}", begun(*factors)
     yield "ones", begun(np.ones(nh), np.ones(nd), flat)
     derived = derive().factors
-    yield "g-from-d", begun(derived.D, derived.F, derived.third)
+    yield "g-from-d", begun(derived.D, derived.F, derived.modulation)
     yield "slices", begun(D, F, flat)
     yield "slices-smith", begun(D, F, masking_shadowing(D, problem.samples.grid, G_THETA))
 
@@ -134,7 +134,7 @@ def fit(
         )
         state, traces = solve(problem, dict(islice(named, starts)))
         f = state.factors
-        parameters = {"D": f.D, "F": f.F, "G": f.third, "rho_d": f.rho_d, "rho_s": f.rho_s}
+        parameters = {"D": f.D, "F": f.F, "G": f.modulation, "rho_d": f.rho_d, "rho_s": f.rho_s}
         return ChannelFit(parameters, tuple(traces))
 
     parameters, records = fit_channels(table, objective, fit_channel, COEFFICIENTS)

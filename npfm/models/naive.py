@@ -49,9 +49,13 @@ class NaiveProblem(FactorProblem):
         weight = self._fixed[0]
         return weight.sum(1) > 0, weight.sum(0) > 0, self.weight.sum(0) > 0
 
-    def sums(self, third: NDArray) -> Sums:
+    def sums(self, modulation: NDArray) -> Sums:
         """Sums over phi_d for a factor H, shape (phi_d_bins,)."""
-        sums = self.weight @ third, self.weight @ third**2, self.weighted_value @ third
+        sums = (
+            self.weight @ modulation,
+            self.weight @ modulation**2,
+            self.weighted_value @ modulation,
+        )
         return Sums(*self._fixed, *(self._plane(x) for x in sums), self._wrr)
 
     def normal_equations(self, state: State) -> tuple[NDArray, NDArray]:
@@ -66,12 +70,12 @@ class NaiveProblem(FactorProblem):
         hd = x**2 * s.wkk
         residual = x**2 * s.wkk + x * (f.rho_d * s.wk - s.wrk)
         cube = self.weight.reshape(nh, nd, nphi)
-        hp = (f.rho_s * f.D[:, None] * f.third) ** 2 * np.matmul(f.F**2, cube)
-        dp = (f.rho_s * f.F[:, None] * f.third) ** 2 * (
+        hp = (f.rho_s * f.D[:, None] * f.modulation) ** 2 * np.matmul(f.F**2, cube)
+        dp = (f.rho_s * f.F[:, None] * f.modulation) ** 2 * (
             f.D**2 @ self.weight.reshape(nh, -1)
         ).reshape(nd, nphi)
-        linear = x.ravel() @ self.weight * f.third
-        pull = x.ravel() @ self.weighted_value * f.third
+        linear = x.ravel() @ self.weight * f.modulation
+        pull = x.ravel() @ self.weighted_value * f.modulation
         wx = x * s.wk
         sum_wr = f.rho_d * s.w.sum() + wx.sum() - s.wr.sum()
         gradient = np.concatenate(
@@ -104,8 +108,8 @@ class NaiveProblem(FactorProblem):
     def _updated_H(self, state: State) -> State:
         f, product = state.factors, state.product.ravel()
         numerator = product @ self.weighted_value - f.rho_d * (product @ self.weight)
-        H = quotient(numerator, f.rho_s * (product**2 @ self.weight), f.third, CLAMP)
-        return State(replace(f, third=H), self.sums(H))
+        H = quotient(numerator, f.rho_s * (product**2 @ self.weight), f.modulation, CLAMP)
+        return State(replace(f, modulation=H), self.sums(H))
 
 
 def parameter_count(grid: HalfDifference) -> int:
@@ -124,7 +128,7 @@ def fit(table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
         ones = problem.state(*(np.ones(bins) for bins in table.grid.shape))
         state, traces = solve(problem, {"ones": ones})
         f = state.factors
-        parameters = {"D": f.D, "F": f.F, "H": f.third, "rho_d": f.rho_d, "rho_s": f.rho_s}
+        parameters = {"D": f.D, "F": f.F, "H": f.modulation, "rho_d": f.rho_d, "rho_s": f.rho_s}
         return ChannelFit(parameters, tuple(traces))
 
     parameters, records = fit_channels(table, objective, fit_channel, COEFFICIENTS, RECIPROCAL)

@@ -160,10 +160,10 @@ class MicrofacetProblem(FactorProblem):
         weight = self._fixed[0]
         return weight.sum(1) > 0, weight.sum(0) > 0, reads > 0
 
-    def sums(self, third: Array) -> Sums:
+    def sums(self, modulation: Array) -> Sums:
         """Sums over phi_d for a masking-shadowing factor, shape (G_NODES,)."""
         plane = self.samples.grid.shape[:2]
-        sums = (x.reshape(plane) for x in compiled().kernel_sums(*self._arrays, third))
+        sums = (x.reshape(plane) for x in compiled().kernel_sums(*self._arrays, modulation))
         return Sums(*self._fixed, *sums, self._wrr)
 
     def updated_G(self, slope: Array, rho_d: float, G: Array, smoothing: float) -> Array:
@@ -200,7 +200,7 @@ class MicrofacetProblem(FactorProblem):
         f = state.factors
         product = np.outer(f.rho_s * f.D, f.F)
         gradient, upper = compiled().normal_equations(
-            *self._arrays, product, f.third, f.rho_d, False
+            *self._arrays, product, f.modulation, f.rho_d, False
         )
         return self.bounded(gradient, upper + np.triu(upper, 1).T, f.rho_d)
 

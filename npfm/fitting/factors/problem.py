@@ -1,6 +1,6 @@
 """What one-product models share: rho_d + rho_s D(theta_h) F(theta_d) K(theta_h, theta_d, phi_d).
 
-K is made of a third factor: of G in the microfacet models, and H itself in the naive one. For a
+K is made of a modulation: of G in the microfacet models, and H itself in the naive one. For a
 fixed K, the objective depends on D, F, rho_d and rho_s only through sums over phi_d of w, wK,
 wK^2, wr and wrK. These are arrays over (theta_h, theta_d): everything but a change of K is worked
 out on them, exactly.
@@ -35,7 +35,7 @@ class Factors:
     ----------
     D, F : ndarray
         Tabulated at the bin centres of theta_h and theta_d.
-    third : ndarray
+    modulation : ndarray
         G at its nodes, or H at the bin centres of phi_d.
     rho_d, rho_s : float
         Diffuse and specular coefficients, in the units of the samples.
@@ -43,7 +43,7 @@ class Factors:
 
     D: Array
     F: Array
-    third: Array
+    modulation: Array
     rho_d: float
     rho_s: float
 
@@ -131,7 +131,7 @@ class FactorProblem(ABC):
         Smallest component of a factor whose largest is 1.
     """
 
-    #: Power of the third factor in K.
+    #: Power of the modulation in K.
     degree = 1
 
     def __init__(self, samples: Samples, clamp: float):
@@ -144,30 +144,30 @@ class FactorProblem(ABC):
         return self.samples.energy
 
     @abstractmethod
-    def sums(self, third: Array) -> Sums:
-        """Sums over phi_d for a third factor."""
+    def sums(self, modulation: Array) -> Sums:
+        """Sums over phi_d for a modulation."""
 
     @property
     @abstractmethod
     def seen(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
-        """Which components of D, F and the third factor any sample depends on."""
+        """Which components of D, F and the modulation any sample depends on."""
 
-    def state(self, D: Array, F: Array, third: Array) -> State:
+    def state(self, D: Array, F: Array, modulation: Array) -> State:
         """Return the state of given factors with its best coefficients.
 
         Factors are scaled to maximum 1 and clamped; components that no sample depends on are
         interpolated from their neighbours, or take the nearest value at an end.
         """
-        D, F, third = (
+        D, F, modulation = (
             filled(np.asarray(x, dtype=float), seen, self.clamp)
-            for x, seen in zip((D, F, third), self.seen, strict=True)
+            for x, seen in zip((D, F, modulation), self.seen, strict=True)
         )
-        return State(Factors(D, F, third, 0.0, 0.0), self.sums(third)).with_coefficients()
+        return State(Factors(D, F, modulation, 0.0, 0.0), self.sums(modulation)).with_coefficients()
 
     def pack(self, state: State) -> Array:
         """Logarithms of the factors, one after the other."""
         f = state.factors
-        return np.log(np.maximum(np.concatenate([f.D, f.F, f.third]), SMALLEST))
+        return np.log(np.maximum(np.concatenate([f.D, f.F, f.modulation]), SMALLEST))
 
     def unpack(self, packed: Array) -> State:
         """Return the state of packed factors (see `state`)."""
@@ -204,15 +204,19 @@ class FactorProblem(ABC):
     def between(self, before: State, after: State, t: float) -> State:
         """Interpolate what differs between two states."""
         a, b = before.factors, after.factors
-        third = a.third if a.third is b.third else (1 - t) * a.third + t * b.third
+        modulation = (
+            a.modulation
+            if a.modulation is b.modulation
+            else (1 - t) * a.modulation + t * b.modulation
+        )
         mixed = Factors(
             (1 - t) * a.D + t * b.D,
             (1 - t) * a.F + t * b.F,
-            third,
+            modulation,
             (1 - t) * a.rho_d + t * b.rho_d,
             (1 - t) * a.rho_s + t * b.rho_s,
         )
-        return State(mixed, before.sums if a.third is b.third else self.sums(third))
+        return State(mixed, before.sums if a.modulation is b.modulation else self.sums(modulation))
 
     def along(self, before: State, after: State) -> Callable[[float], float]:
         """Objective on the way from one state to another."""
@@ -221,11 +225,11 @@ class FactorProblem(ABC):
     def normalised(self, state: State) -> State:
         """Return the same model with each factor scaled to maximum 1, rho_s taking the scale."""
         f = state.factors
-        tops = f.D.max(), f.F.max(), f.third.max() ** self.degree
+        tops = f.D.max(), f.F.max(), f.modulation.max() ** self.degree
         factors = Factors(
             f.D / tops[0],
             f.F / tops[1],
-            f.third / f.third.max(),
+            f.modulation / f.modulation.max(),
             f.rho_d,
             f.rho_s * tops[0] * tops[1] * tops[2],
         )

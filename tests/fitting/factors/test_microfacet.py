@@ -75,15 +75,15 @@ def random_state(problem, seed=3):
     """Factors of some range, with coefficients that are not the best."""
     rng = np.random.default_rng(seed)
     nh, nd, nphi = problem.samples.grid.shape
-    third = nphi if isinstance(problem, NaiveProblem) else G_NODES
-    D, F, third = (np.exp(rng.uniform(-2, 0, n)) for n in (nh, nd, third))
+    modulation = nphi if isinstance(problem, NaiveProblem) else G_NODES
+    D, F, modulation = (np.exp(rng.uniform(-2, 0, n)) for n in (nh, nd, modulation))
     state = problem.start(D, F) if isinstance(problem, GFromDProblem) else None
-    return (state or problem.state(D, F, third)).with_factors(rho_d=0.4, rho_s=1.3)
+    return (state or problem.state(D, F, modulation)).with_factors(rho_d=0.4, rho_s=1.3)
 
 
 def values(problem, state):
     f = state.factors
-    whole = VALUES[type(problem)](problem.samples.grid, f.D, f.F, f.third, f.rho_d, f.rho_s)
+    whole = VALUES[type(problem)](problem.samples.grid, f.D, f.F, f.modulation, f.rho_d, f.rho_s)
     return whole[..., : problem.samples.weight.shape[-1]]
 
 
@@ -95,11 +95,11 @@ def test_objective_from_sums_is_the_sum_over_all_samples(table, kind, channel):
     problem = problem_of(kind, samples)
     state = random_state(problem)
     f = state.factors
-    whole = VALUES[kind](table.grid, f.D, f.F, f.third, f.rho_d, f.rho_s)
+    whole = VALUES[kind](table.grid, f.D, f.F, f.modulation, f.rho_d, f.rho_s)
     assert problem.objective(state) == pytest.approx(evaluate(samples, whole), rel=1e-11)
     best = state.with_coefficients()
     f = best.factors
-    whole = VALUES[kind](table.grid, f.D, f.F, f.third, f.rho_d, f.rho_s)
+    whole = VALUES[kind](table.grid, f.D, f.F, f.modulation, f.rho_d, f.rho_s)
     assert problem.objective(best) == pytest.approx(evaluate(samples, whole), rel=1e-11)
 
 
@@ -152,7 +152,7 @@ def test_which_components_are_seen(gappy, kind):
     problem = problem_of(kind, channel_samples(gappy, 0, Objective(max_angle=70)))
     state = random_state(problem)
     before, counts = values(problem, state), problem.samples.weight > 0
-    for name, seen in zip(("D", "F", "third"), problem.seen, strict=True):
+    for name, seen in zip(("D", "F", "modulation"), problem.seen, strict=True):
         factor = getattr(state.factors, name)
         for k in range(factor.size):
             changed = factor.copy()
@@ -202,14 +202,14 @@ def unknowns(problem, state):
     nd = f.F.size
 
     def at(x):
-        D, F, third = np.exp(x[:nh]), np.exp(x[nh : nh + nd]), np.exp(x[nh + nd : -1])
+        D, F, modulation = np.exp(x[:nh]), np.exp(x[nh : nh + nd]), np.exp(x[nh + nd : -1])
         if isinstance(problem, GFromDProblem):
             D = np.interp(bins, bins[seen], D[seen])  # bins without a sample are filled in
             G = masking_shadowing(D, problem.samples.grid, G_THETA)
-            third = G / G.max()
-        return values(problem, State(Factors(D, F, third, x[-1], f.rho_s), state.sums))
+            modulation = G / G.max()
+        return values(problem, State(Factors(D, F, modulation, x[-1], f.rho_s), state.sums))
 
-    factors = [f.D, f.F] if isinstance(problem, GFromDProblem) else [f.D, f.F, f.third]
+    factors = [f.D, f.F] if isinstance(problem, GFromDProblem) else [f.D, f.F, f.modulation]
     return np.append(np.log(np.concatenate(factors)), f.rho_d), at
 
 
@@ -222,7 +222,7 @@ def test_normal_equations_by_differences(table, gappy, kind, holes):
     state = random_state(problem)
     if kind is GFromDProblem:  # G scaled over all its nodes, as the slow model scales it
         G = problem.smith(state.factors.D)
-        state = State(replace(state.factors, third=G), problem.sums(G))
+        state = State(replace(state.factors, modulation=G), problem.sums(G))
     gradient, matrix = problem.normal_equations(state)
     x, at = unknowns(problem, state)
     assert gradient.shape == x.shape
@@ -249,7 +249,7 @@ def test_gradient_is_that_of_the_objective(table, kind):
     state = random_state(problem)
     if kind is GFromDProblem:
         G = problem.smith(state.factors.D)
-        state = State(replace(state.factors, third=G), problem.sums(G))
+        state = State(replace(state.factors, modulation=G), problem.sums(G))
     gradient, _ = problem.normal_equations(state)
     x, at = unknowns(problem, state)
     rng = np.random.default_rng(9)
@@ -267,7 +267,7 @@ def test_a_thinned_problem_is_that_of_its_samples(table, kind):
     problem = kind(folded).thinned(6)
     state = random_state(problem)
     f = state.factors
-    model = microfacet(table.grid, f.D, f.F, f.third, f.rho_d, f.rho_s)[..., 3:18:6]
+    model = microfacet(table.grid, f.D, f.F, f.modulation, f.rho_d, f.rho_s)[..., 3:18:6]
     expected = np.sum(folded.weight[..., 3::6] * (model - folded.value[..., 3::6]) ** 2)
     assert problem.objective(state) == pytest.approx(expected + folded.floor / 6, rel=1e-11)
 
@@ -295,7 +295,7 @@ def test_steps_of_g_along_a_line_are_a_polynomial(table):
     problem = problem_of(IndependentGProblem, channel_samples(table, 1, Objective()))
     state = random_state(problem)
     G = np.exp(np.random.default_rng(8).uniform(-2, 0, G_NODES))
-    after = State(replace(state.factors, third=G), problem.sums(G))
+    after = State(replace(state.factors, modulation=G), problem.sums(G))
     along = problem.along(state, after)
     for t in (0.0, 0.1, 0.37, 0.9, 1.0):
         expected = evaluate(problem.samples, values(problem, problem.between(state, after, t)))
@@ -307,7 +307,7 @@ def test_g_of_d_between_states_is_that_of_the_d_between(table):
     before, after = random_state(problem, 1), random_state(problem, 2)
     middle = problem.between(before, after, 0.3)
     G = masking_shadowing(middle.factors.D, table.grid, G_THETA)
-    np.testing.assert_allclose(middle.factors.third, G / G.max(), rtol=1e-13)
+    np.testing.assert_allclose(middle.factors.modulation, G / G.max(), rtol=1e-13)
     assert problem.objective(middle) == pytest.approx(
         evaluate(problem.samples, values(problem, middle)), rel=1e-11
     )

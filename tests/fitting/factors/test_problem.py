@@ -12,7 +12,7 @@ from npfm.models.naive import NaiveProblem
 
 @pytest.fixture(scope="module")
 def problem(table):
-    """The naive model, whose K is its third factor itself."""
+    """The naive model, whose K is its modulation itself."""
     return NaiveProblem(channel_samples(table, 1, Objective()))
 
 
@@ -25,7 +25,7 @@ def state(problem):
 def model(state):
     """Values sample by sample."""
     f = state.factors
-    return f.rho_d + f.rho_s * np.einsum("h,d,p->hdp", f.D, f.F, f.third)
+    return f.rho_d + f.rho_s * np.einsum("h,d,p->hdp", f.D, f.F, f.modulation)
 
 
 def lines(seed):
@@ -110,7 +110,7 @@ def test_the_objective_from_sums_is_the_direct_one(problem, state):
 
 
 def test_scaled_sums_are_the_sums_of_a_scaled_factor(problem, state):
-    scaled, direct = state.sums.scaled(3.0), problem.sums(3.0 * state.factors.third)
+    scaled, direct = state.sums.scaled(3.0), problem.sums(3.0 * state.factors.modulation)
     for name in ("wk", "wkk", "wrk"):
         np.testing.assert_allclose(getattr(scaled, name), getattr(direct, name), rtol=1e-12)
 
@@ -122,7 +122,7 @@ def test_an_update_is_least_squares_for_each_component(problem, state, update, a
     found = update(state, clamp).factors
     found = (found.D, found.F)[axis]
     f, samples = state.factors, problem.samples
-    others = [f.D, f.F, f.third]
+    others = [f.D, f.F, f.modulation]
     others[axis] = np.ones_like(others[axis])
     y = np.moveaxis(f.rho_s * np.einsum("h,d,p->hdp", *others), axis, 0)
     w, r = (np.moveaxis(a, axis, 0) for a in (samples.weight, samples.value))
@@ -175,17 +175,21 @@ def test_a_state_is_normalised_filled_and_clamped(gappy):
 
 def test_a_normalised_state_is_the_same_model(problem, state):
     f = state.factors
-    larger = replace(f, D=3 * f.D, F=0.5 * f.F, third=7 * f.third)
-    larger = replace(state, factors=larger, sums=problem.sums(larger.third))
+    larger = replace(f, D=3 * f.D, F=0.5 * f.F, modulation=7 * f.modulation)
+    larger = replace(state, factors=larger, sums=problem.sums(larger.modulation))
     found = problem.normalised(larger)
-    assert (found.factors.D.max(), found.factors.F.max(), found.factors.third.max()) == (1, 1, 1)
+    assert (found.factors.D.max(), found.factors.F.max(), found.factors.modulation.max()) == (
+        1,
+        1,
+        1,
+    )
     np.testing.assert_allclose(model(found), model(larger), rtol=1e-13)
     assert problem.objective(found) == pytest.approx(problem.objective(larger), rel=1e-12)
 
 
 def test_packing_there_and_back(problem, state):
     back = problem.unpack(problem.pack(state))
-    for name in ("D", "F", "third"):
+    for name in ("D", "F", "modulation"):
         np.testing.assert_allclose(
             getattr(back.factors, name), getattr(state.factors, name), rtol=1e-13
         )

@@ -43,8 +43,8 @@ def started(kind, samples):
     D, F = factors_of_slices(problem.samples)
     if kind is GFromDProblem:
         return problem, problem.start(D, F)
-    third = samples.grid.phi_d_bins if kind is NaiveProblem else G_THETA.size
-    return problem, problem.state(D, F, np.ones(third))
+    modulation = samples.grid.phi_d_bins if kind is NaiveProblem else G_THETA.size
+    return problem, problem.state(D, F, np.ones(modulation))
 
 
 @PROBLEMS
@@ -93,7 +93,7 @@ def residuals(problem, rho_s):
 def by_scipy(problem, state):
     """Objective of the minimum that SciPy's trust region finds from a state."""
     f = state.factors
-    factors = [f.D, f.F] if isinstance(problem, GFromDProblem) else [f.D, f.F, f.third]
+    factors = [f.D, f.F] if isinstance(problem, GFromDProblem) else [f.D, f.F, f.modulation]
     # The factors take the scale of rho_s, which is held.
     x = np.concatenate([*(np.log(np.maximum(a, 1e-6)) for a in factors), [f.rho_d]])
     lower = np.append(np.full(x.size - 1, -30.0), 0.0)
