@@ -57,10 +57,8 @@ def draw(
 
     Parameters
     ----------
-    run : str or Path
-        Folder of the run, with the tone-mapped pictures.
-    psnr : DataFrame
-        Columns scene, material, variant, psnr_db.
+    run, psnr
+        As `renderings.draw` takes them.
     rows : sequence of Row
         What is shown.
     columns : mapping of str to (str, str)

@@ -1,6 +1,5 @@
 """Figure 9 of Bagher et al. 2016: renderings of the non-parametric fits, with close-ups."""
 
-import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,7 +10,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from npfm.evaluation import tables
 from npfm.figures import renderings, style
 from npfm.figures.renderings import Window
 from npfm.papers.captions import CAPTIONS
@@ -20,17 +18,6 @@ INSET = 0.4  # side of an inset, of the picture's
 #: Left and lower edge of an inset; in the fourth corner stands the PSNR.
 CORNERS = ((0.0, 1 - INSET), (1 - INSET, 1 - INSET), (1 - INSET, 0.0))
 FRAME = "#56B4E9"  # of Okabe and Ito's colours the one that stands out on bright and dark
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare what the figure is made from."""
-    renderings.add_arguments(parser)
-
-
-def make(arguments: argparse.Namespace) -> Figure:
-    """Draw the figure from the pictures and the table that the arguments name."""
-    a = arguments
-    return draw(a.run, tables.read_psnr(a.psnr), a.variants, CAPTIONS[9])
 
 
 def draw(
@@ -42,10 +29,8 @@ def draw(
 
     Parameters
     ----------
-    run : str or Path
-        Folder of the run, with the tone-mapped pictures.
-    psnr : DataFrame
-        Columns scene, material, variant, psnr_db.
+    run, psnr
+        As `renderings.draw` takes them.
     variants : sequence of str
         Columns.
     materials : sequence of str
@@ -66,6 +51,10 @@ def draw(
             for ax, name in zip(line, (renderings.MEASURED, *variants), strict=True):
                 _add_close_up(ax, renderings.picture(run, row, name), window, corner)
     return figure
+
+
+add_arguments = renderings.add_arguments
+make = renderings.made_by(draw, CAPTIONS[9])
 
 
 def emptiest_corner(foreground: NDArray[np.bool_], window: Window) -> tuple[float, float]:

@@ -1,28 +1,15 @@
 """Figure 11 of Bagher et al. 2016: the microfacet model against the bivariate one."""
 
-import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
 from matplotlib.figure import Figure
 
-from npfm.evaluation import tables
 from npfm.figures import renderings, style
 
 #: Rows where the bivariate model gains most, and then where it loses most, as in the paper.
 BETTER, WORSE = 3, 2
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare what the figure is made from."""
-    renderings.add_arguments(parser)
-
-
-def make(arguments: argparse.Namespace) -> Figure:
-    """Draw the figure from the pictures and the table that the arguments name."""
-    a = arguments
-    return draw(a.run, tables.read_psnr(a.psnr), a.variants)
 
 
 def draw(run: str | Path, psnr: pd.DataFrame, variants: Sequence[str]) -> Figure:
@@ -32,10 +19,8 @@ def draw(run: str | Path, psnr: pd.DataFrame, variants: Sequence[str]) -> Figure
 
     Parameters
     ----------
-    run : str or Path
-        Folder of the run, with the tone-mapped pictures.
-    psnr : DataFrame
-        Columns scene, material, variant, psnr_db.
+    run, psnr
+        As `renderings.draw` takes them.
     variants : sequence of str
         The microfacet model and the bivariate one.
 
@@ -54,6 +39,10 @@ def draw(run: str | Path, psnr: pd.DataFrame, variants: Sequence[str]) -> Figure
     with style.context():
         figure, _ = renderings.draw(run, psnr, rows, variants, remark)
     return figure
+
+
+add_arguments = renderings.add_arguments
+make = renderings.made_by(draw)
 
 
 def extremes(gain: pd.Series) -> tuple[list[str], list[str]]:

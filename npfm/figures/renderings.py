@@ -2,7 +2,7 @@
 
 import argparse
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,10 +15,14 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
+from npfm.evaluation import tables
 from npfm.evaluation.comparison import read_reference
 from npfm.evaluation.head_to_head import renderings
 from npfm.figures import style
 from npfm.papers.captions import chosen
+
+#: Draws a figure from what its command line says.
+Maker = Callable[[argparse.Namespace], Figure]
 
 MEASURED = "measured"
 #: Inches.
@@ -42,6 +46,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--psnr", required=True, help="CSV made by npfm tables psnr")
     parser.add_argument("--run", required=True, help="folder of the run")
     parser.add_argument("--variants", nargs="+", required=True, help="columns, ours first")
+
+
+def made_by(draw: Callable[..., Figure], *more: Sequence[str]) -> Maker:
+    """Return the `make` of a figure of these arguments.
+
+    Parameters
+    ----------
+    draw : callable
+        Takes the folder of the run, the table of PSNR, the variants, and `more`.
+    *more : sequence of str
+        What the figure is told besides.
+    """
+
+    def make(arguments: argparse.Namespace) -> Figure:
+        """Draw the figure from the pictures and the table that the arguments name."""
+        psnr = tables.read_psnr(arguments.psnr)
+        return draw(arguments.run, psnr, arguments.variants, *more)
+
+    return make
 
 
 @dataclass(frozen=True)
