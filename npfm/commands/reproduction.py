@@ -20,6 +20,8 @@ CODE = (
     "npfm.papers.page",
     "npfm.papers.evidence",
 )
+#: Columns of text that claims need of the table of fits.
+FITS = ["material", "variant", "status"]
 EXAMPLE = """\
 example:
   python -m npfm reproduction --run results/neural-10 --dataset neural \\
@@ -40,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--summary", required=True, help="CSV made by npfm tables summary")
     add("--materials", help="CSV made by npfm tables materials")
     add("--weighting", help="CSV made by npfm tables psnr, with and without compressive weight")
+    add("--fits", help="CSV made by npfm tables fits")
     add("--published", help="CSV made by npfm tables published")
     add("--figures", nargs="*", default=[], help="figures (.png) to show beside the claims")
     add("-o", "--output", type=output(page.PAGE), required=True, help="Markdown file to write")
@@ -69,5 +72,6 @@ def _evidence(a: argparse.Namespace) -> Evidence:
         diffuseness=diffuseness,
         starts=starts(a.run, ours["material"].unique()),
         weighting=tables.read_psnr(a.weighting) if a.weighting else None,
+        fits=tables.read(a.fits, FITS, ["seconds"]) if a.fits else None,
         worst=[row.material for row in figure10.worst(a.run, rows, "independent-g")],
     )

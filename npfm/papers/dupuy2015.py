@@ -12,3 +12,9 @@ SECONDS = 1.0
 SHIFTED_GAMMA_FAILS = ("two-layer-gold", "color-changing-paint1")
 #: One that this method fits worse than the two it is compared with (Figure 6).
 WORSE = "alumina-oxide"
+#: Metals among the materials of MERL, by their names; the paper says "metallic materials".
+METALS = (
+    "alum-bronze", "aluminium", "black-oxidized-steel", "brass", "chrome", "chrome-steel",
+    "grease-covered-steel", "hematite", "nickel", "ss440", "steel", "tungsten-carbide",
+    "two-layer-gold", "two-layer-silver",
+)  # fmt: skip

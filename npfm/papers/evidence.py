@@ -22,6 +22,12 @@ NAMES = {
     "Bagher 2012": ("shifted-gamma-published", "shifted-gamma"),
     "Ngan": ("cook-torrance-published", "cook-torrance"),
 }
+#: And models of the 2015 paper, which compares them with some of those.
+NAMES_2015 = {
+    "power iterations": ("power-iteration",),
+    "GGX": ("ggx",),
+    "Beckmann": ("beckmann",),
+}
 
 
 class Untestable(Exception):
@@ -46,6 +52,8 @@ class Evidence:
         As `psnr`, of the fits with and without the compressive weight (Figures 7 and 15).
     worst : sequence of str
         Materials, those that independent-g shows most visibly wrong first.
+    fits : DataFrame, optional
+        Columns material, variant, seconds and status, a row each channel.
     """
 
     psnr: pd.DataFrame
@@ -54,6 +62,7 @@ class Evidence:
     starts: pd.DataFrame | None = None
     weighting: pd.DataFrame | None = None
     worst: Sequence[str] = ()
+    fits: pd.DataFrame | None = None
 
     def variant(self, model: str) -> str:
         """Name under which the run has a model of the paper.
@@ -64,10 +73,11 @@ class Evidence:
             If it has none.
         """
         available = set(self.psnr["variant"])
-        for name in NAMES[model]:
+        names = (NAMES | NAMES_2015)[model]
+        for name in names:
             if name in available:
                 return name
-        raise Untestable(f"the run has no {' or '.join(NAMES[model])}")
+        raise Untestable(f"the run has no {' or '.join(names)}")
 
     def models(self) -> list[str]:
         """Models of the paper that the run has, best average of the paper first."""

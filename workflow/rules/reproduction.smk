@@ -1,5 +1,9 @@
 # What the page is made from, as far as the run has it: the option of each, and the file.
-CLAIMED = {"psnr": rules.psnr_table.output, "summary": rules.summary_table.output}
+CLAIMED = {
+    "psnr": rules.psnr_table.output,
+    "summary": rules.summary_table.output,
+    "fits": rules.fits_table.output,
+}
 if "naive" in RUN.variants:
     CLAIMED["materials"] = rules.materials_table.output
 if WEIGHTING.columns:
