@@ -123,17 +123,19 @@ def fits(model, grid):
         "bivariate-g": {"B": (nh, nd), "G": None},
         "power-iteration": dict.fromkeys("DF"),
         "low-rank-b": {"U": (nh, 2), "V": (nd, 2), "G": None},
+        "shared-lobes": {"D": (2, nh), "F": None, "G": (2, G_NODES)},
     }
     parts = {}
     for name, shape in shapes[model].items():
-        elements = factor if shape is None else coefficient if name == "B" else signed
+        elements = factor if name in sizes else coefficient if name == "B" else signed
         channels = 1 if name in registry.declared(model).shared else 3
         size = (channels, *(shape or (sizes[name],)))
         parts[name] = arrays(np.float32, size, elements=elements)
     if model not in registry.UNSEARCHED:
         parts["rho_d"] = arrays(np.float32, 3, elements=coefficient)
     if {"D", "F"} <= parts.keys():
-        parts["rho_s"] = arrays(np.float32, 3, elements=coefficient)
+        lobes = shapes[model]["D"][:1] if shapes[model]["D"] else ()
+        parts["rho_s"] = arrays(np.float32, (3, *lobes), elements=coefficient)
     return st.fixed_dictionaries(parts).map(lambda p: Fit(model, p, grid))
 
 

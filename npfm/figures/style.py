@@ -78,6 +78,7 @@ LOOKS = {
     "naive": Look("#009E73", "D"),
     "bivariate-g": Look("#7F7F7F", "P"),
     "low-rank-b": Look("#7F7F7F", "X"),
+    "shared-lobes": Look("#8C510A", "D"),
     "tucker-20": Look("#882255", "*"),
     "abc-e2": Look("#D55E00", "v"),
     "abc-ours": Look("#D55E00", ">"),

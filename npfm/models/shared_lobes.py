@@ -8,16 +8,17 @@ Catmull-Rom interpolation of G is the setting `spline`, for either solver.
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.fitting.channels import CoupledFit, as_table, fit_coupled, shared_traces
 from npfm.fitting.factors.microfacet import G_NODES
 from npfm.fitting.fits import Fit
-from npfm.fitting.objective import Objective, Samples
+from npfm.fitting.objective import Objective, Samples, fold
 from npfm.fitting.shared_lobes.fit import fit_lobes
 from npfm.fitting.shared_lobes.places import places
 from npfm.fitting.shared_lobes.problem import CLAMP as CLAMP
-from npfm.fitting.shared_lobes.problem import compiled
+from npfm.fitting.shared_lobes.problem import SharedLobesProblem, State, compiled
 from npfm.fitting.shared_lobes.starts import STARTS
 from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance.half_difference import HalfDifference
@@ -32,7 +33,7 @@ SETTINGS = {
     "starts": "the first so many of the three starts (default: 3)",
     "spline": "1 to read G along a Catmull-Rom spline, 0 linearly (default: 0)",
 }
-FREEDOMS = 9  # scalings of three D, three G and three F that rho_s takes up
+FREEDOMS = 7  # scalings of three D, of three G and of the F of a channel, which rho_s takes up
 LOBES, MOST_LOBES = 3, 5
 
 
@@ -93,6 +94,22 @@ def fit(
         return CoupledFit(parameters, shared_traces(traces))
 
     return fit_coupled(NAME, table, objective, fit_together, tabulate, COEFFICIENTS)
+
+
+def linearised(
+    samples: Samples, p: dict[str, NDArray[np.float64]]
+) -> tuple[SharedLobesProblem, State]:
+    """Problem of one channel with lobes of its own, at the state of a fit of all channels.
+
+    Parameters
+    ----------
+    samples : Samples
+        Of the channel, not folded.
+    p : dict of str to ndarray
+        Parameters of the channel.
+    """
+    problem = SharedLobesProblem([fold(samples)], len(p["D"]), "spline" in p)
+    return problem, problem.state(p["D"], p["F"][None], p["G"])
 
 
 def tabulate(fit: Fit) -> Table:

@@ -20,7 +20,13 @@ GRID = HalfDifference(18, 18, 36)
 VIEWS = [0.0, 30.0, 65.0, 85.0]
 #: Arrays of a fit of `TABLE`, for the strategies that need one.
 FACETS = {"D": np.exp(-((GRID.theta_h[None] / 0.2) ** 2)) + 0.01}
-PARAMETERS: dict[str, dict[str, np.ndarray]] = {"quantiles": FACETS, "visible-slopes": FACETS}
+#: Two lobes that the channels share.
+LOBES = {"D": np.stack([np.exp(-((GRID.theta_h / w) ** 2)) + 1e-3 for w in (0.2, 0.6)])[None]}
+PARAMETERS: dict[str, dict[str, np.ndarray]] = {
+    "quantiles": FACETS,
+    "visible-slopes": FACETS,
+    "normal-distribution": LOBES,
+}
 
 
 def table():
