@@ -43,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EXAMPLE
     kinds = parser.add_subparsers(dest="kind", required=True, metavar="fit|gather")
     fit = kinds.add_parser("fit", help="fit all cases by a model and every solver")
-    fit.add_argument("model", help=f"{', '.join(registry.non_parametric())}")
+    fit.add_argument("model", help=f"{', '.join(registry.fitted())}")
     fit.add_argument("--starts", type=whole(1), required=True, help="of independent-g")
     fit.add_argument(
         "--awls-iterations", type=whole(1), required=True, help="cap on a start of awls"

@@ -21,8 +21,6 @@ from npfm.fitting import fits
 from npfm.reflectance.table import Table
 
 FOLDER = Path(__file__).parents[1] / "models"
-#: Non-parametric models that need none of our solvers.
-UNSEARCHED = ("bivariate", "power-iteration")
 #: What the module of a model has to have.
 INTERFACE = ("fit", "tabulate", "parameter_count")
 
@@ -108,9 +106,9 @@ def models() -> Mapping[str, Model]:
     }
 
 
-def non_parametric() -> tuple[str, ...]:
-    """Return the models of free factors or tables: with our solvers, or without any search."""
-    return tuple(name for name, model in models().items() if model.solver or name in UNSEARCHED)
+def fitted() -> tuple[str, ...]:
+    """Return the models that are fitted, rather than read from a file of their authors."""
+    return tuple(name for name, model in models().items() if not model.published)
 
 
 def declared(name: str) -> Model:

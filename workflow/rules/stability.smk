@@ -12,7 +12,7 @@ use rule npfm as stability_fits with:
     log:
         f"{OUT}/logs/stability/{{model}}.log",
     wildcard_constraints:
-        model=any_of(registry.non_parametric()),
+        model=any_of(registry.fitted()),
     resources:
         mem_mb=1000,
         runtime=120,
@@ -33,7 +33,7 @@ use rule npfm as stability_fits with:
 
 use rule npfm as stability with:
     input:
-        expand(rules.stability_fits.output, model=registry.non_parametric()),
+        expand(rules.stability_fits.output, model=registry.fitted()),
     output:
         f"{OUT}/tables/stability.csv",
     log:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import OptimizeResult, least_squares, nnls
 
+from npfm.errors import NpfmError
 from npfm.fitting.channels import CoupledFit, fit_coupled, with_end
 from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples
@@ -29,9 +30,10 @@ STEP = 1e-7  # of the differences that the derivatives of a lobe are taken from
 def fit(name: str, form: Form, metric: Metric, table: Table, objective: Objective) -> Fit:
     """Fit a form to a table from each of its starts.
 
-    The starts are compared on some of the samples, the best goes on to more of them. Records tell
-    the objective of the 2016 paper; the traces of the other starts tell that of the metric, as a
-    share of the zero model's.
+    The starts are compared on some of the samples, the best goes on to more of them, and where the
+    metric is a sum of squares the coefficients of its shape are those that are best on all.
+    Records tell the objective of the 2016 paper; the traces of the other starts tell that of the
+    metric, as a share of the zero model's.
 
     Parameters
     ----------
@@ -49,12 +51,16 @@ def fit(name: str, form: Form, metric: Metric, table: Table, objective: Objectiv
     Raises
     ------
     NpfmError
-        If a channel has no sample that counts.
+        If a channel has no sample that counts, or none within the angles of the metric.
     """
 
     def fit_together(samples: Sequence[Samples]) -> CoupledFit:
         groups = [samples] if form.shared else [[channel] for channel in samples]
-        found = [_fit_together(form, metric(group), group) for group in groups]
+        goals = [metric(group) for group in groups]
+        _check_samples(name, goals)
+        found = [
+            _fit_together(form, goal, group) for goal, group in zip(goals, groups, strict=True)
+        ]
         parameters = {key: np.concatenate([part[key] for part, _ in found]) for key in found[0][0]}
         return CoupledFit(parameters, [runs for _, runs in found] * (len(CHANNELS) // len(found)))
 
@@ -63,6 +69,16 @@ def fit(name: str, form: Form, metric: Metric, table: Table, objective: Objectiv
         name, table, objective, fit_together, partial(tabulate, form), COEFFICIENTS, False
     )
     return replace(fit, records=tuple(with_end(record) for record in fit.records))
+
+
+def _check_samples(name: str, goals: Sequence[Goal]) -> None:
+    counts = np.concatenate([(goal.weight > 0).any((1, 2, 3)) for goal in goals])
+    for channel, there in zip(CHANNELS, counts, strict=True):
+        if not there:
+            raise NpfmError(
+                f"the {channel} channel has no sample within the angles that {name} is fitted to; "
+                "fit another model"
+            )
 
 
 @dataclass(frozen=True)
@@ -136,7 +152,10 @@ class _Problem:
         return jacobian.reshape(x.size, -1).T
 
     def start(self, vector: Sequence[float]) -> NDArray:
-        """Return the unknowns with the coefficients that are about best for a shape."""
+        """Return the unknowns with the coefficients that are best for a shape.
+
+        To first order in the difference if the goal is logarithmic.
+        """
         lobe = self._lobe(np.array(vector))
         weight = self.root_weight * self._slope(self.value)
         best = [
@@ -184,7 +203,10 @@ def _fit_together(
     final = fine.minimise(fine.start(vector), FINE_EVALUATIONS)
     runs = [_trace(best, fine, [results[best], final], began)]
     runs += [trace for name, trace in traces.items() if name != best]
-    return _parameters(fine, final.x, samples), runs
+    whole = _Problem(form, goal, _thinned(goal, goal.grid.size))
+    # Of a logarithm they are not the solution of a linear problem, and stay what the search found.
+    x = final.x if goal.logarithmic else whole.start(final.x[2 * len(goal.scale) :])
+    return _parameters(whole, x, samples), runs
 
 
 def _trace(name: str, problem: _Problem, results: Sequence[OptimizeResult], began: float) -> Trace:

@@ -1,11 +1,16 @@
 """Fits of lobes from several starts."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from npfm.datasets import synthetic
+from npfm.errors import NpfmError
+from npfm.evaluation.hard_cases import CASES
+from npfm.evaluation.stability import violations
 from npfm.fitting import registry
-from npfm.fitting.objective import Objective
+from npfm.fitting.objective import Objective, channel_samples, evaluate
 from npfm.fitting.parametric.author_metrics import Goal
 from npfm.fitting.parametric.lobe_fits import COARSE, _thinned
 from npfm.reflectance.half_difference import HalfDifference
@@ -41,6 +46,27 @@ def test_no_channel_is_left_without_a_sample(grid):
     weight = np.stack([np.ones(grid.shape), np.zeros(grid.shape)])
     weight[1, 0, 0, 1] = 1.0
     assert weight[1].flat[_thinned(goal(weight, grid), 100)].any()
+
+
+@pytest.mark.parametrize("name", ["abc-ours", "ggx-fitted", "shifted-gamma"])
+def test_no_fit_is_worse_than_a_constant(name):
+    """Nor by a hair, though the shape is sought on some of the samples."""
+    table = CASES["noise"](HalfDifference(45, 45, 90))
+    fit = registry.model(name).fit(table, Objective(), None, 1)
+    assert violations(table, fit, registry.model(name)) == []
+    for channel, record in enumerate(fit.records):
+        samples = channel_samples(table, channel, Objective())
+        for scale in (0.999, 1.001):
+            for key in ("rho_d", "rho_s"):
+                other = replace(fit, parameters=fit.parameters | {key: fit.parameters[key] * scale})
+                values = registry.model(name).tabulate(other).values[channel] / samples.scale
+                assert evaluate(samples, values) / samples.energy >= record.objective - 1e-9
+
+
+def test_samples_beyond_the_authors_angles_alone_are_refused(grid):
+    table = CASES["only-grazing"](grid)
+    with pytest.raises(NpfmError, match="red channel has no sample within the angles that cook"):
+        registry.model("cook-torrance").fit(table, Objective(), None, 1)
 
 
 def test_a_mirror_is_fitted_as_well_in_each_channel():
