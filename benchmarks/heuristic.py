@@ -1,6 +1,6 @@
-"""What the power of the heuristic that combines ways of sampling is worth.
+r"""What the power of the heuristic that combines ways of sampling is worth.
 
-    python benchmarks/heuristic.py results/neural-10/lights/grace.exr --objects sphere \\
+    python benchmarks/heuristic.py results/neural-10/lights/grace.exr --objects sphere \
         --materials results/neural-10/materials/*.binary
 
 For each set of strategies and number of samples, prints the error of pictures with power 1 and with
