@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
 
+from npfm.datasets import neural
 from npfm.errors import NpfmError
+from npfm.evaluation.power_iterations import surfaces
 from npfm.fitting.objective import Objective
 from npfm.fitting.power_iterations.mirrors import mirrors
 from npfm.models import beckmann, ggx, ggx_fitted, power_iteration
@@ -81,3 +83,15 @@ def test_ggx_fitted_finds_its_own_numbers(alpha):
     assert made.parameters["f0"] == pytest.approx(0.2, rel=1e-2)
     assert made.parameters["rho_s"] == pytest.approx(1, rel=1e-2)
     assert made.parameters["rho_d"] == pytest.approx(0, abs=1e-4)
+
+
+@pytest.mark.parametrize(("name", "resolved"), [("chrome", False), ("nylon", True)])
+def test_real_materials(data, name, resolved):
+    """A mirror whose roughness the table cannot tell, and a matte plastic whose it can."""
+    fit = fitted(power_iteration, neural.load(data / "merl_nbrdf.zip", name))
+    assert {record.status for record in fit.records} == {"converged"}
+    assert all(record.objective < 0.5 for record in fit.records)
+    [surface] = surfaces({name: fit}).to_dict("records")
+    assert surface["resolved"] == resolved
+    assert (surface["alpha_ggx"] < 0.03) == (name == "chrome")
+    assert all(0 < surface[color] < 1 for color in ("red", "green", "blue"))
