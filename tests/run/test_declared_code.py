@@ -79,7 +79,7 @@ CALLS = [
     ),
     (
         "figure",
-        ["npfm.figures.figure05"],
+        ["npfm.figures.figure05", *models("naive")],
         "figure figure05 --run . --materials chalk --variants naive -o x.pdf",
     ),
     (

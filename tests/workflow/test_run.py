@@ -76,5 +76,5 @@ def test_a_mistake_in_the_configuration_is_one_line_and_makes_nothing(finished, 
     run = project.snakemake()
     assert run.returncode != 0
     lines = [line for line in run.stderr.splitlines() if "npfm" in line]
-    assert lines == ["npfm: config: variants: unknown variant 'niave'; did you mean naive?"]
+    assert lines == ["npfm: config: variants: unknown model 'niave'; did you mean naive?"]
     assert not (folder / "results").exists()
