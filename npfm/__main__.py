@@ -27,6 +27,7 @@ VERBS = {
     "light": "convert a light probe, or generate a light, as a lat-long EXR",
     "scene": "build the transport matrix of a scene",
     "render": "render a MERL table or a fit in a scene",
+    "vary": "render an object whose material varies from place to place",
     "compare": "PSNR of pictures against a reference",
     "tables": "gather fits and pictures into the tables of a run",
     "figure": "draw a figure from the tables of a run",
@@ -57,6 +58,8 @@ def _command(verb: str) -> ModuleType:
             from npfm.commands import scene as module
         case "render":
             from npfm.commands import render as module
+        case "vary":
+            from npfm.commands import vary as module
         case "compare":
             from npfm.commands import compare as module
         case "tables":

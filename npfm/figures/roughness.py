@@ -13,13 +13,21 @@ from npfm.evaluation import tables
 from npfm.figures import style
 from npfm.figures.renderings import corner_label, sheet, show
 
+#: Name of the pictures on which roughness varies, in place of a factor.
+TEXTURED = "textured"
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the figure is made from."""
     add = parser.add_argument
     add("--pictures", required=True, help="folder with <material>/<factor>.png")
     add("--materials", nargs="+", required=True, help="rows")
-    add("--factors", nargs="+", required=True, help="columns, as their files are named")
+    add(
+        "--factors",
+        nargs="+",
+        required=True,
+        help=f"columns, as their files are named; {TEXTURED}: roughness varies",
+    )
     add("--surfaces", required=True, help="CSV made by power-iterations surfaces")
 
 
@@ -62,10 +70,12 @@ def draw(
                 if not path.is_file():
                     raise NpfmError(f"{path}: no such picture; make it with npfm render")
                 show(ax, imread(path))
-                corner_label(ax, _roughness(rows.loc[material], float(factor)))
+                if factor != TEXTURED:
+                    corner_label(ax, _roughness(rows.loc[material], float(factor)))
             line[0].set_ylabel(material, labelpad=2)
         for ax, factor in zip(axes[0], factors, strict=True):
-            ax.set_title("as fitted" if float(factor) == 1 else f"slopes x {factor}", pad=3)
+            heading = {"1": "as fitted", TEXTURED: "by a texture"}.get(factor, f"slopes x {factor}")
+            ax.set_title(heading, pad=3)
     return figure
 
 

@@ -56,6 +56,13 @@ class Plan:
         """Materials that are shown at several roughnesses."""
         return chosen(EDITED, self.run.materials)
 
+    @property
+    def objects_options(self) -> list[str]:
+        """Arguments of ``npfm vary`` that name the objects of the scene."""
+        objects = self.run.config["scenes"][self.scene]["objects"]
+        meshes = [word for mesh in self.run.mesh(self.scene) for word in ("--mesh", mesh)]
+        return ["--objects", *objects, *meshes]
+
     def home(self, variant: str) -> str:
         """Folder with the fits and pictures of a variant: the run's, if that has it."""
         ours, theirs = self.study.variants[variant], self.run.variants.get(variant)

@@ -41,6 +41,11 @@ CALLS = {
         "a.json",
     ),
     "render": ("{made}/A {made}/chalk.binary -o {out}/a.exr", "a.exr", "a.png"),
+    "vary": (
+        "{made}/A {made}/chalk.binary {made}/chalk.npz --objects sphere -o {out}/a.exr",
+        "a.exr",
+        "a.png",
+    ),
     "compare": ("{made}/measured.exr {made}/fitted.exr -o {out}/a.exr", "a.exr"),
     "tables psnr": (
         "--run {made} --scenes A --materials chalk --variants bivariate -o {out}/a.csv",

@@ -18,7 +18,7 @@ def folder(tmp_path):
     for k, material in enumerate(MATERIALS):
         (tmp_path / material).mkdir()
         write_exr(tmp_path / material / "measured.exr", np.ones((4, 4, 4)))
-        for name in ("measured", *VARIANTS, "0.5", "1", "2"):
+        for name in ("measured", *VARIANTS, "0.5", "1", "2", "textured"):
             write_png(tmp_path / material / f"{name}.png", np.full((4, 4, 3), 60 * k, np.uint8))
     return tmp_path
 
@@ -74,6 +74,9 @@ def test_roughness_is_told_where_it_is_known(folder):
         "$\\alpha$ 0.4",
         "$\\alpha$ 0.8",
     ]
+    figure = roughness.draw(folder, ["felt"], ["1", "textured"], surfaces())
+    assert figure.axes[1].get_title() == "by a texture"
+    assert not figure.axes[1].texts
     with pytest.raises(NpfmError, match=r"4\.png: no such picture"):
         roughness.draw(folder, MATERIALS, ["4"], surfaces())
 

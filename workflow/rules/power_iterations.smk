@@ -72,6 +72,30 @@ use rule render_fit as power_iterations_render_edited with:
         options=RUN.tone_options(POWER.scene),
 
 
+use rule npfm as power_iterations_vary with:
+    input:
+        scene=f"{OUT}/scenes/{POWER.scene}",
+        fits=expand(
+            f"{POWER.folder}/edited/{{{{material}}}}/{{factor}}.npz", factor=FACTORS
+        ),
+    output:
+        exr=f"{POWER.folder}/edited/{{material}}/textured.exr",
+        png=f"{POWER.folder}/edited/{{material}}/textured.png",
+    log:
+        f"{OUT}/logs/power_iterations/render/edited/{{material}}/textured.log",
+    resources:
+        mem_mb=2000,
+        runtime=5,
+    params:
+        verb="vary",
+        code=command_code("vary", *POWER.study.model_modules(MODEL)),
+        files=lambda wildcards, input, output: [
+            *(input.scene, *input.fits),
+            *("-o", output.exr),
+        ],
+        options=[*POWER.objects_options, *RUN.tone_options(POWER.scene)],
+
+
 use rule npfm as power_iterations_known with:
     output:
         report(
@@ -170,11 +194,12 @@ POWER_FIGURES = {
                 material=POWER.edited,
                 factor=FACTORS,
             ),
+            *expand(rules.power_iterations_vary.output.png, material=POWER.edited),
         ],
         [
             *("--pictures", f"{POWER.folder}/edited"),
             *option("--materials", POWER.edited),
-            *option("--factors", FACTORS),
+            *option("--factors", [*FACTORS, "textured"]),
             *("--surfaces", *rules.power_iterations_surfaces.output),
         ],
     ),
