@@ -18,8 +18,9 @@ THINNING = 6
 #: Least share of each lobe in the mean of a channel while starts are compared. With 0, random
 #: starts lose lobes for good, and end at many times the objective.
 ALIVE = 0.1
-#: Tolerances, in the solver's, of the fit of one lobe and of the comparison of starts.
-SINGLE, COMPARED = 1000.0, 30.0
+#: Tolerances, in the solver's, of the fit of one lobe, of the comparison of starts and of the end:
+#: lobes of one material can be exchanged a little for hundreds of iterations, for next to nothing.
+SINGLE, COMPARED, FINAL = 1000.0, 30.0, 3.0
 
 
 def fit_lobes(
@@ -56,7 +57,8 @@ def fit_lobes(
     named = dict(islice(start_states(rough, one, seed), starts))
     state, traces = solve(rough, named, ease=COMPARED)
     best, *others = traces
-    state, (trace,) = solve(problem, {best.start: problem.unpack(rough.pack(state))})
+    last = {best.start: problem.unpack(rough.pack(state))}
+    state, (trace,) = solve(problem, last, ease=FINAL)
     return by_width(state, samples[0].grid.theta_h), [_joined(best, trace), *others]
 
 

@@ -217,6 +217,103 @@ def normal_equations(
     return gradient, matrix
 
 
+@compiled(f"({SAMPLES}, f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[::1])")
+def gradient_and_diagonal(
+    weight: Array,
+    weighted_value: Array,
+    first_i: Nodes,
+    taps_i: Array,
+    first_o: Nodes,
+    taps_o: Array,
+    inverse_cosines: Array,
+    D: Array,
+    F: Array,
+    G: Array,
+    rho_s: Array,
+    rho_d: Array,
+) -> tuple[Array, Array]:
+    """Gradient and diagonal of `normal_equations`, at a fifth of its time.
+
+    Returns
+    -------
+    gradient, diagonal : ndarray, shape (n,)
+    """
+    channels, rows, columns = weight.shape
+    lobes, nodes, taps = G.shape[0], G.shape[1], taps_i.shape[2]
+    nh, nd = D.shape[1], F.shape[1]
+    at_f = lobes * nh
+    at_g = at_f + channels * nd
+    at_s = at_g + lobes * nodes
+    at_d = at_s + channels * lobes
+    gradient, diagonal = np.zeros(at_d + channels), np.zeros(at_d + channels)
+    k, g = np.zeros(lobes), np.zeros((2, lobes))
+    x = np.zeros((channels, lobes))
+    wrk, wkk = np.zeros((channels, lobes)), np.zeros((channels, lobes, lobes))
+    slope, square = np.zeros(lobes), np.zeros(lobes)
+    for row in range(rows):
+        h, d = row // nd, row % nd
+        for c in range(channels):
+            for a in range(lobes):
+                x[c, a] = rho_s[c, a] * D[a, h] * F[c, d]
+        wrk[:] = 0.0
+        wkk[:] = 0.0
+        for p in range(columns):
+            inverse = inverse_cosines[row, p]
+            if inverse == 0.0:
+                continue
+            i, o = first_i[row, p], first_o[row, p]
+            for a in range(lobes):
+                g[0, a], g[1, a] = 0.0, 0.0
+                for t in range(taps):
+                    g[0, a] += taps_i[row, p, t] * G[a, i + t]
+                    g[1, a] += taps_o[row, p, t] * G[a, o + t]
+                k[a] = g[0, a] * g[1, a] * inverse
+                slope[a], square[a] = 0.0, 0.0
+            for c in range(channels):
+                w = weight[c, row, p]
+                if w == 0.0:
+                    continue
+                model = rho_d[c]
+                for a in range(lobes):
+                    model += x[c, a] * k[a]
+                wr = w * model - weighted_value[c, row, p]
+                diagonal[at_d + c] += w
+                gradient[at_d + c] += wr
+                for a in range(lobes):
+                    wrk[c, a] += wr * k[a]
+                    slope[a] += wr * x[c, a]
+                    square[a] += w * x[c, a] * x[c, a]
+                    for b in range(a + 1):
+                        wkk[c, a, b] += w * k[a] * k[b]
+            for a in range(lobes):
+                first = at_g + a * nodes
+                for t in range(taps):
+                    low = taps_i[row, p, t] * G[a, i + t] * g[1, a] * inverse
+                    high = taps_o[row, p, t] * G[a, o + t] * g[0, a] * inverse
+                    gradient[first + i + t] += slope[a] * low
+                    gradient[first + o + t] += slope[a] * high
+                    diagonal[first + i + t] += square[a] * low * low
+                    diagonal[first + o + t] += square[a] * high * high
+                    # A node that is read at both places has the sum of its parts.
+                    other = i + t - o
+                    if 0 <= other < taps:
+                        both = taps_o[row, p, other] * G[a, i + t] * g[0, a] * inverse
+                        diagonal[first + i + t] += 2 * square[a] * low * both
+        for c in range(channels):
+            f = at_f + c * nd + d
+            for a in range(lobes):
+                own, share = a * nh + h, at_s + c * lobes + a
+                for at in (own, f, share):
+                    gradient[at] += x[c, a] * wrk[c, a]
+                one = x[c, a] * x[c, a] * wkk[c, a, a]
+                diagonal[own] += one
+                diagonal[share] += one
+                diagonal[f] += one
+                for b in range(a):
+                    diagonal[f] += 2 * x[c, a] * x[c, b] * wkk[c, a, b]
+    return gradient, diagonal
+
+
 @compiled(f"({SAMPLES}, f8[:,:,::1], f8[:,::1], f8[::1], i8)")
 def one_lobe(
     weight: Array,

@@ -27,6 +27,9 @@ CLAMP = 1e-6
 #: Bins that fewer samples see than this share of those that see the best-seen one are filled in:
 #: the largest component of a factor, which the others are relative to, lies in none of them.
 OBSERVED = 0.01
+#: The Gauss-Newton matrix, which needs most of the time, is made of about so many bins of phi_d,
+#: on which factors depend smoothly; gradient, objective and diagonal are those of all.
+MATRIX_BINS = 15
 #: A material is specular if its largest sample is more than so many weighted medians: of the MERL
 #: database, what has a highlight to be seen (fabrics 10, polyurethane-foam 50, nylon 8000).
 SPECULAR = 1000.0
@@ -68,6 +71,18 @@ def compiled() -> ModuleType:
     from npfm.fitting.shared_lobes import kernels
 
     return kernels
+
+
+def with_diagonal(matrix: Array, diagonal: Array) -> Array:
+    """Scale rows and columns of a positive semidefinite matrix so that it has a diagonal.
+
+    Where the matrix knows nothing of an unknown, only the diagonal does.
+    """
+    own = np.diag(matrix)
+    root = np.sqrt(np.divide(diagonal, own, out=np.zeros_like(own), where=own > 0))
+    scaled = matrix * root * root[:, None]
+    np.fill_diagonal(scaled, diagonal)
+    return scaled
 
 
 class SharedLobesProblem:
@@ -218,9 +233,13 @@ class SharedLobesProblem:
 
         Without what is filled in, and without coefficients at their bound that would go beyond it.
         """
-        gradient, matrix = compiled().normal_equations(
-            *self._arrays, state.D, state.F, state.G, state.rho_s, state.rho_d
-        )
+        at = state.D, state.F, state.G, state.rho_s, state.rho_d
+        if self._matrix_problem is self:
+            gradient, matrix = compiled().normal_equations(*self._arrays, *at)
+        else:
+            gradient, diagonal = compiled().gradient_and_diagonal(*self._arrays, *at)
+            _, matrix = compiled().normal_equations(*self._matrix_problem._arrays, *at)
+            matrix = with_diagonal(matrix, diagonal)
         in_d, in_f, in_g = self.seen
         filled_in = ~np.concatenate(
             [np.tile(in_d, self.lobes), in_f.ravel(), np.tile(in_g, self.lobes)]
@@ -229,6 +248,12 @@ class SharedLobesProblem:
         out = np.concatenate([filled_in, least & (gradient[filled_in.size :] > 0)])
         gradient[out], matrix[out], matrix[:, out] = 0.0, 0.0, 0.0
         return gradient, matrix
+
+    @cached_property
+    def _matrix_problem(self) -> "SharedLobesProblem":
+        """The problem whose samples the Gauss-Newton matrix is made of."""
+        every = self.weight.shape[2] // MATRIX_BINS
+        return self.thinned(every) if every > 1 else self
 
     def _at_floor(self, state: State) -> NDArray[np.bool_]:
         border = np.einsum("crl,crl->cl", state.basis, state.sums[0])

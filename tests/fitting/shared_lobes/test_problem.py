@@ -10,14 +10,15 @@ from npfm.fitting.shared_lobes import kernels
 from npfm.fitting.shared_lobes.alternating import best_component, updated_D, updated_F, updated_G
 from npfm.fitting.shared_lobes.coefficients import bounded_least_squares
 from npfm.fitting.shared_lobes.places import places
-from npfm.fitting.shared_lobes.problem import SharedLobesProblem
-from npfm.fitting.solvers import awls
+from npfm.fitting.shared_lobes.problem import SharedLobesProblem, with_diagonal
+from npfm.fitting.solvers import awls, gauss_newton
 from npfm.fitting.solvers.problem import SolverSettings
 from npfm.reflectance.half_difference import MERL
 
 PASSES = [
     kernels.kernel_sums,
     kernels.normal_equations,
+    kernels.gradient_and_diagonal,
     kernels.one_lobe,
     kernels.node_quartic,
 ]
@@ -97,6 +98,34 @@ def test_normal_equations_are_the_derivatives(samples, spline):
         for u, other in zip(directions, moved, strict=True):
             found = v @ matrix @ u
             assert found == pytest.approx(np.vdot(problem.weight * change, other), rel=1e-6)
+
+
+@both_readings
+def test_gradient_and_diagonal_are_those_of_the_whole(samples, spline):
+    problem, state = problem_and_state(samples, spline)
+    at = state.D, state.F, state.G, state.rho_s, state.rho_d
+    gradient, matrix = kernels.normal_equations(*problem._arrays, *at)
+    found, diagonal = kernels.gradient_and_diagonal(*problem._arrays, *at)
+    np.testing.assert_allclose(found, gradient, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(diagonal, np.diag(matrix), rtol=1e-9, atol=1e-15)
+
+
+def test_a_matrix_of_fewer_samples_leads_to_the_same_minimum(samples, monkeypatch):
+    _, state = problem_and_state(samples)
+    found = []
+    for bins in (15, 6):
+        monkeypatch.setattr("npfm.fitting.shared_lobes.problem.MATRIX_BINS", bins)
+        fresh = SharedLobesProblem(samples, 3)
+        assert (fresh._matrix_problem is fresh) == (bins == 15)
+        settings = SolverSettings(tolerance=1e-7)
+        found.append(gauss_newton.minimise(fresh, "one", state, settings)[1].objective[-1])
+    assert found[1] == pytest.approx(found[0], rel=1e-3)
+
+
+def test_a_matrix_is_given_its_diagonal():
+    matrix, diagonal = np.array([[4.0, 2, 0], [2, 9, 0], [0, 0, 0]]), np.array([1.0, 36, 5])
+    expected = [[1, 2 * 0.5 * 2, 0], [2, 36, 0], [0, 0, 5]]
+    np.testing.assert_allclose(with_diagonal(matrix, diagonal), expected)
 
 
 @pytest.mark.parametrize("seed", range(20))
