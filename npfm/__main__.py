@@ -1,6 +1,7 @@
 """``python -m npfm <verb>``: what the workflow's rules call, and a person can use alone."""
 
 import argparse
+import importlib
 import os
 import sys
 import warnings
@@ -40,43 +41,8 @@ VERBS = {
 
 
 def _command(verb: str) -> ModuleType:
-    """Return the module of a verb; only that one is imported, to start quickly."""
-    match verb:
-        case "material":
-            from npfm.commands import material as module
-        case "fit":
-            from npfm.commands import fit as module
-        case "tabulate":
-            from npfm.commands import tabulate as module
-        case "edit":
-            from npfm.commands import edit as module
-        case "texture":
-            from npfm.commands import texture as module
-        case "light":
-            from npfm.commands import light as module
-        case "scene":
-            from npfm.commands import scene as module
-        case "render":
-            from npfm.commands import render as module
-        case "vary":
-            from npfm.commands import vary as module
-        case "compare":
-            from npfm.commands import compare as module
-        case "tables":
-            from npfm.commands import tables as module
-        case "figure":
-            from npfm.commands import figure as module
-        case "reproduction":
-            from npfm.commands import reproduction as module
-        case "effects-cost":
-            from npfm.commands import effects_cost as module
-        case "accuracy-cost":
-            from npfm.commands import accuracy_cost as module
-        case "power-iterations":
-            from npfm.commands import power_iterations as module
-        case "stability":
-            from npfm.commands import stability as module
-    return module
+    """Return the module of a key of `VERBS`; only that one is imported, to start quickly."""
+    return importlib.import_module(f"npfm.commands.{verb.replace('-', '_')}")
 
 
 class _Parser(argparse.ArgumentParser):

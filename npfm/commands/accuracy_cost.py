@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -36,7 +37,7 @@ examples:
 Seconds are those that fits and scenes recorded when they were made; PSNR is in dB.
 """
 #: What each kind of table is made from.
-SOURCES = {
+SOURCES: dict[str, dict[str, dict[str, Any]]] = {
     "traces": {
         "--fits": {"nargs": "+", "metavar": "SOLVER=FOLDER"},
         "--materials": {"nargs": "+", "help": "names of the fits"},
@@ -66,7 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for kind, sources in SOURCES.items():
         chosen = kinds.add_parser(kind)
         for name, options in sources.items():
-            required = {"required": True} if name.startswith("--") else {}
+            required: dict[str, Any] = {"required": True} if name.startswith("--") else {}
             chosen.add_argument(name, **required, **options)
         chosen.add_argument(
             "-o", "--output", type=output(tables.TABLE), required=True, help="CSV to write"
@@ -104,11 +105,17 @@ def _materials(arguments: argparse.Namespace) -> dict[str, tuple[Table, Table]]:
     return dict(zip(names, pairs, strict=True))
 
 
+def _stage(name: str) -> tuple[str, str]:
+    stage, colon, setting = name.partition(":")
+    if not colon:
+        raise NpfmError(f"'{name}' has no ':'; name the stage, as in stage:setting=folder")
+    return stage, setting
+
+
 def _fits(arguments: argparse.Namespace) -> pd.DataFrame:
     material = Path(arguments.table).stem
     settings = {
-        tuple(name.split(":", 1)): f"{folder}/{material}.npz"
-        for name, folder in _pairs(arguments.fits).items()
+        _stage(name): f"{folder}/{material}.npz" for name, folder in _pairs(arguments.fits).items()
     }
     names = distinct(Path(path).name for path in arguments.scenes)
     scenes = dict(zip(names, map(transport.load, arguments.scenes), strict=True))

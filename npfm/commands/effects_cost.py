@@ -88,4 +88,5 @@ def _switched(arguments: list[str]) -> list[tuple[str, str]]:
     if wrong := [argument for argument in arguments if "=" not in argument]:
         raise NpfmError(f"'{wrong[0]}' has no '='; name the effect, as in visibility=folder")
     distinct(["scene", *(argument.partition("=")[0] for argument in arguments)])
-    return [tuple(argument.split("=", 1)) for argument in arguments]
+    parts = (argument.partition("=") for argument in arguments)
+    return [(name, folder) for name, _, folder in parts]

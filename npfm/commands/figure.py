@@ -1,7 +1,10 @@
 """``npfm figure``."""
 
 import argparse
+import importlib
+from collections.abc import Sequence
 from types import ModuleType
+from typing import Any
 
 from npfm.commands.outputs import output
 from npfm.figures import style
@@ -49,57 +52,8 @@ FIGURES = {
 
 
 def _figure(name: str) -> ModuleType:
-    """Return the module of a figure: `add_arguments`, and `make` from what they say."""
-    match name:
-        case "figure03":
-            from npfm.figures import figure03 as module
-        case "figure04":
-            from npfm.figures import figure04 as module
-        case "figure05":
-            from npfm.figures import figure05 as module
-        case "figure06":
-            from npfm.figures import figure06 as module
-        case "figure07":
-            from npfm.figures import figure07 as module
-        case "figure08":
-            from npfm.figures import figure08 as module
-        case "figure09":
-            from npfm.figures import figure09 as module
-        case "figure10":
-            from npfm.figures import figure10 as module
-        case "figure11":
-            from npfm.figures import figure11 as module
-        case "figure12":
-            from npfm.figures import figure12 as module
-        case "figure13":
-            from npfm.figures import figure13 as module
-        case "figure14":
-            from npfm.figures import figure14 as module
-        case "figure15":
-            from npfm.figures import figure15 as module
-        case "figure16":
-            from npfm.figures import figure16 as module
-        case "page":
-            from npfm.figures import page as module
-        case "convergence":
-            from npfm.figures import convergence as module
-        case "pareto":
-            from npfm.figures import pareto as module
-        case "settings":
-            from npfm.figures import settings as module
-        case "effects_cost":
-            from npfm.figures import effects_cost as module
-        case "sampling":
-            from npfm.figures import sampling as module
-        case "delta_e":
-            from npfm.figures import delta_e as module
-        case "extraction_time":
-            from npfm.figures import extraction_time as module
-        case "side_by_side":
-            from npfm.figures import side_by_side as module
-        case "roughness":
-            from npfm.figures import roughness as module
-    return module
+    """Return the module of a key of `FIGURES`: `add_arguments`, and `make` from what they say."""
+    return importlib.import_module(f"npfm.figures.{name}")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -112,7 +66,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
         figure = ""
 
-        def parse_known_args(self, args=None, namespace=None):
+        def parse_known_args(
+            self, args: Sequence[str] | None = None, namespace: Any = None
+        ) -> tuple[Any, list[str]]:
             _figure(self.figure).add_arguments(self)
             return super().parse_known_args(args, namespace)
 

@@ -135,9 +135,10 @@ def _own_settings() -> dict[str, tuple[list[str], str]]:
     for name, model in registry.models().items():
         for setting, meaning in model.settings.items():
             choices = {} if isinstance(meaning, str) else meaning
-            said = "; ".join(f"{k}: {v}" for k, v in choices.items()) or meaning
+            listed = "; ".join(f"{k}: {v}" for k, v in choices.items())
+            text = meaning if isinstance(meaning, str) else listed
             words.setdefault(setting, []).extend(choices)
-            meanings.setdefault(setting, {}).setdefault(said, []).append(name)
+            meanings.setdefault(setting, {}).setdefault(text, []).append(name)
     return {
         setting: (
             list(dict.fromkeys(words[setting])),
@@ -159,7 +160,7 @@ def _given(model: Model, arguments: argparse.Namespace) -> dict[str, Any]:
     return given
 
 
-def _parameters(arguments: argparse.Namespace, published: Mapping[str, Any]) -> dict:
+def _parameters(arguments: argparse.Namespace, published: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return the published parameters of the material that the table is named after."""
     from npfm.datasets import parameter_files  # which other models do not depend on
 

@@ -65,15 +65,15 @@ def check(arguments: argparse.Namespace) -> None:
             raise NpfmError(f"{path}: two outputs in one place; give another name to one of them")
     for value in _flat(vars(arguments).values()):
         # As in naive=fits/naive.npz.
-        for path in () if isinstance(value, Output) else (value, str(value).partition("=")[2]):
-            if os.path.isfile(path) and any(_same(path, out) for out in places):
-                raise NpfmError(f"{path}: an input, and an output; give the output another name")
+        for given in () if isinstance(value, Output) else (value, str(value).partition("=")[2]):
+            if os.path.isfile(given) and any(_same(given, out) for out in places):
+                raise NpfmError(f"{given}: an input, and an output; give the output another name")
 
 
 def written(arguments: argparse.Namespace) -> list[Path]:
     """Return what a verb writes, with what it writes beside it."""
     outputs = [value for value in _flat(vars(arguments).values()) if isinstance(value, Output)]
-    return [Path(path) for out in outputs for path in (out, *out.beside)]
+    return [Path(path) for out in outputs for path in (Path(out), *out.beside)]
 
 
 def _flat(values: Iterable) -> Iterator[str | Path]:

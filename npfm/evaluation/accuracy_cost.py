@@ -216,15 +216,16 @@ def cost(fits: pd.DataFrame, sampling: pd.DataFrame) -> pd.DataFrame:
 
 
 def _means(table: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
-    means = {"seconds": "mean", "psnr_db": mean_db}
-    return table.groupby(keys, sort=False).agg(means).reset_index()
+    groups = table.groupby(keys, sort=False)
+    return groups.agg({"seconds": "mean", "psnr_db": mean_db}).reset_index()
 
 
 def _gains(stage: pd.DataFrame) -> pd.DataFrame:
-    rows, best = [], None
-    for row in stage.itertuples():
-        gained = row.psnr_db - best.psnr_db if best else np.nan
-        price = (row.seconds - best.seconds) / gained if best and gained > 0 else np.nan
+    rows: list[tuple[float, float]] = []
+    best: tuple[float, float] | None = None
+    for seconds, psnr_db in zip(stage["seconds"], stage["psnr_db"], strict=True):
+        gained = psnr_db - best[1] if best else np.nan
+        price = (seconds - best[0]) / gained if best and gained > 0 else np.nan
         rows.append((gained, price))
-        best = row if best is None or gained > 0 else best
+        best = (seconds, psnr_db) if best is None or gained > 0 else best
     return pd.DataFrame(rows, index=stage.index, columns=["db_gained", "seconds_per_db"])

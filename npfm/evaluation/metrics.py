@@ -34,23 +34,23 @@ def psnr(picture: ArrayLike, reference: ArrayLike, foreground: ArrayLike) -> flo
     NoPSNR
         If a foreground value is not finite, or the foreground of the reference is black.
     """
-    picture, reference = (np.asarray(p, dtype=np.float64) for p in (picture, reference))
-    foreground = np.asarray(foreground, dtype=bool)
-    if picture.shape != reference.shape or foreground.shape != reference.shape[:2]:
+    pixels, wanted = (np.asarray(p, dtype=np.float64) for p in (picture, reference))
+    inside = np.asarray(foreground, dtype=bool)
+    if pixels.shape != wanted.shape or inside.shape != wanted.shape[:2]:
         raise ValueError(
-            f"shapes differ: picture {picture.shape}, reference {reference.shape}, "
-            f"foreground {foreground.shape}"
+            f"shapes differ: picture {pixels.shape}, reference {wanted.shape}, "
+            f"foreground {inside.shape}"
         )
-    if not foreground.any():
-        raise ValueError(f"none of the {foreground.size} pixels is foreground")
-    picture, reference = picture[foreground], reference[foreground]
-    for name, values in (("picture", picture), ("reference", reference)):
+    if not inside.any():
+        raise ValueError(f"none of the {inside.size} pixels is foreground")
+    pixels, wanted = pixels[inside], wanted[inside]
+    for name, values in (("picture", pixels), ("reference", wanted)):
         if wrong := np.count_nonzero(~np.isfinite(values)):
             raise NoPSNR(f"{wrong} foreground values of the {name} are NaN or infinite")
-    peak = reference.max()
+    peak = wanted.max()
     if peak <= 0:
         raise NoPSNR(f"the largest foreground value of the reference is {peak:g}")
-    error = np.mean((picture - reference) ** 2)
+    error = np.mean((pixels - wanted) ** 2)
     return float(20 * np.log10(peak) - 10 * np.log10(error)) if error > 0 else float("inf")
 
 
@@ -77,12 +77,12 @@ def mean_db(values: ArrayLike) -> float:
     float
         dB; infinite if no picture differs from its reference, NaN if there is none.
     """
-    values = np.asarray(values, dtype=np.float64)
-    values = values[~np.isnan(values)]
-    finite = values[np.isfinite(values)]
+    decibels = np.asarray(values, dtype=np.float64)
+    decibels = decibels[~np.isnan(decibels)]
+    finite = decibels[np.isfinite(decibels)]
     if len(finite):
         return float(finite.mean())
-    return float("inf") if len(values) else float("nan")
+    return float("inf") if len(decibels) else float("nan")
 
 
 def absolute_error(picture: ArrayLike, reference: ArrayLike) -> NDArray[np.float64]:
@@ -100,8 +100,8 @@ def absolute_error(picture: ArrayLike, reference: ArrayLike) -> NDArray[np.float
     ndarray, shape (height, width)
         In the unit of the radiance.
     """
-    picture, reference = (np.asarray(p, dtype=np.float64) for p in (picture, reference))
-    return np.abs(picture - reference).sum(axis=2)
+    pixels, wanted = (np.asarray(p, dtype=np.float64) for p in (picture, reference))
+    return np.abs(pixels - wanted).sum(axis=2)
 
 
 def delta_e(picture: ArrayLike, reference: ArrayLike) -> NDArray[np.float64]:

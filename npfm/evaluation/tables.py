@@ -214,7 +214,7 @@ def sizes(run: str | Path, psnr: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for variant, pictures in psnr.groupby("variant", sort=False):
         materials = pictures["material"].unique()
-        records = [load_record(_fit_path(run, variant, material)) for material in materials]
+        records = [load_record(_fit_path(run, str(variant), material)) for material in materials]
         rows.append((variant, *(max(r[key] for r in records) for key in ("parameters", "bytes"))))
     return pd.DataFrame(rows, columns=["variant", "parameters", "bytes"])
 

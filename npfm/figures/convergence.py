@@ -1,6 +1,7 @@
 """Objective against seconds: every start of every channel, by both solvers."""
 
 import argparse
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,7 +17,7 @@ PANEL_HEIGHT, LEGEND_HEIGHT = 1.2, 0.75  # inches
 FIRST_SECOND = 0.01
 COLORS = {"gauss-newton": style.LOOKS["independent-g"].color, "awls": style.OTHER_COLORS[0]}
 #: How a run is drawn, by its solver and whether it sees a part of the samples only.
-RUNS = {
+RUNS: dict[tuple[str, int], dict[str, Any]] = {
     ("gauss-newton", 0): {"linewidth": 1.2, "zorder": 3},
     ("gauss-newton", 1): {"linewidth": 0.5, "linestyle": (0, (3, 1)), "zorder": 2},
     ("awls", 0): {"linewidth": 0.5, "zorder": 1},
@@ -63,12 +64,13 @@ def draw(traces: pd.DataFrame) -> Figure:
 def _draw_panel(ax: Axes, traces: pd.DataFrame) -> None:
     together = traces["start"] == "together"
     runs = traces[~together].groupby(["solver", "thinned", "start"], sort=False)
-    for (solver, thinned, _), run in runs:
+    for _, run in runs:
+        solver, thinned = run["solver"].iloc[0], run["thinned"].iloc[0]
         seconds = np.maximum(run["seconds"], FIRST_SECOND)
         ax.plot(seconds, run["objective"], color=COLORS[solver], **RUNS[solver, thinned])
     ends = traces[together].set_index("solver")
     for solver, end in ends.iterrows():
-        ax.plot(end["seconds"], end["objective"], **_end(COLORS[solver]))
+        ax.plot(end["seconds"], end["objective"], **_end(COLORS[str(solver)]))
     ratio = ends["objective"]["awls"] / ends["objective"]["gauss-newton"] - 1
     text = f"gauss-newton {ends['objective']['gauss-newton']:.4g}\nawls {ratio:+.1%}"
     ax.text(0.97, 0.95, text, transform=ax.transAxes, ha="right", va="top")
@@ -78,7 +80,7 @@ def _draw_panel(ax: Axes, traces: pd.DataFrame) -> None:
     ax.set_axisbelow(True)
 
 
-def _end(color: str) -> dict:
+def _end(color: str) -> dict[str, Any]:
     return {"color": color, "marker": "o", "markersize": 4, "linestyle": "none", "zorder": 4}
 
 

@@ -3,13 +3,14 @@
 import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.image import imread
+from matplotlib.image import AxesImage, imread
 from numpy.typing import NDArray
 
 from npfm.evaluation.effects_cost import read
@@ -67,7 +68,7 @@ def draw(
     heights = MARGIN + ROW * len(table) / 2, CELL * (1 + len(effects)) + MARGIN / 2
     with style.context():
         figure = Figure(figsize=(style.PAGE_WIDTH, sum(heights)), layout="constrained")
-        above, below = figure.subfigures(2, height_ratios=heights)
+        (above,), (below,) = figure.subfigures(2, squeeze=False, height_ratios=heights)
         axes = above.subplots(1, len(PANELS), sharey=True)
         for ax, panel in zip(axes, PANELS, strict=True):
             _draw_panel(ax, table, *panel, style.looks(effects))
@@ -117,20 +118,22 @@ def _draw_panel(
     looks: Mapping[str, style.Look],
 ) -> None:
     pairs = table.groupby(["scene", "effect"], sort=False)
-    for y, ((_, effect), pair) in enumerate(pairs):
-        look, values = looks[effect], pair.sort_values("on")[column] / unit
+    labels = []
+    for y, ((scene, effect), pair) in enumerate(pairs):
+        labels.append(f"{scene} {effect}")
+        look, values = looks[str(effect)], pair.sort_values("on")[column] / unit
         ax.plot(values, [y, y], color=look.color)
         for value, face, state in zip(values, ("white", look.color), ("off", "on"), strict=True):
             label = f"{effect} {state}" if y < len(looks) else None
-            marker = {"marker": look.marker, "markerfacecolor": face, "linestyle": "none"}
-            ax.plot(value, y, color=look.color, markersize=4, label=label, **marker)
-    ax.set_yticks(range(len(pairs)), [" ".join(key) for key in pairs.groups])
+            mark: dict[str, Any] = {"marker": look.marker, "markerfacecolor": face}
+            ax.plot(value, y, color=look.color, markersize=4, linestyle="none", label=label, **mark)
+    ax.set_yticks(range(len(labels)), labels)
     ax.set_title(title)
     ax.grid(True)
     ax.set_axisbelow(True)
 
 
-def _draw_change(ax: Axes, parts: Mapping[str, NDArray], effect: str):
+def _draw_change(ax: Axes, parts: Mapping[str, NDArray], effect: str) -> AxesImage:
     change = change_db(parts, effect)
     if np.isneginf(change).all():
         ax.set_xlabel("no change", labelpad=2)

@@ -1,6 +1,7 @@
 """Figure 4 of Bagher et al. 2016: the compressive function."""
 
 import argparse
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -16,7 +17,7 @@ CURVES = {
     r"$\alpha = \log\,2$ (objective)": (COMPRESSION_ALPHA, "#0072B2", "-"),
     r"$\alpha = 2\,\log\,2$": (COMPRESSION_ALPHA * 2, "#D55E00", (0, (1, 1))),
 }
-BOUND = {"color": "0.6", "linewidth": 0.5, "zorder": 1}
+BOUND: dict[str, Any] = {"color": "0.6", "linewidth": 0.5, "zorder": 1}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,8 +23,8 @@ from npfm.storage.names import distinct
 PANEL_HEIGHT, LEGEND_HEIGHT = 1.35, 0.4  # inches
 #: Okabe and Ito's colours nearest to the channels' own.
 COLORS = dict(zip(CHANNELS, ("#D55E00", "#009E73", "#0072B2"), strict=True))
-OURS = {"linewidth": 0.9}
-PUBLISHED = {"linewidth": 0.9, "linestyle": (0, (2.5, 1.2)), "alpha": 0.7}
+OURS: dict[str, Any] = {"linewidth": 0.9}
+PUBLISHED: dict[str, Any] = {"linewidth": 0.9, "linestyle": (0, (2.5, 1.2)), "alpha": 0.7}
 #: The scale of a curve is told from these: at greater angles next to no sample counts, and
 #: factors are clamped at 1e-6.
 LARGEST_ANGLE, LEAST = 80.0, 2e-6  # degrees; of the largest

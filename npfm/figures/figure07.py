@@ -41,9 +41,10 @@ def pairs(columns: Sequence[str]) -> dict[str, tuple[str, str]]:
     parsed = {}
     for column in columns:
         heading, _, variants = column.rpartition("=")
-        parsed[heading] = tuple(variants.split(","))
-        if not heading or len(parsed[heading]) != 2:
+        weighted, comma, plain = variants.partition(",")
+        if not heading or not comma or "," in plain:
             raise NpfmError(f"--columns '{column}': give it as heading=with,without")
+        parsed[heading] = weighted, plain
     return parsed
 
 
@@ -79,7 +80,7 @@ def gains(
     means = psnr.groupby(["material", "variant"])["psnr_db"].agg(mean_db)
     by_material = []
     for row in rows:
-        of = means[row.material]
+        of = means.xs(row.material)
         gained = [of[weighted] - of[plain] for weighted, plain in columns.values()]
         # adding 0 turns -0.0 into 0.0
         numbers = ", ".join(

@@ -1,12 +1,15 @@
 """Figure 8 of Bagher et al. 2016: rendering errors across all materials."""
 
 import argparse
+import operator
 from collections.abc import Mapping, Sequence
+from functools import reduce
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.evaluation import tables
@@ -100,7 +103,7 @@ def by_error(psnr: pd.DataFrame) -> list[str]:
 
 def draw(
     psnr: pd.DataFrame,
-    order: Sequence[str],
+    order: list[str],
     order_label: str,
     colors: Mapping[str, str] | None = None,
 ) -> Figure:
@@ -112,7 +115,7 @@ def draw(
     ----------
     psnr : DataFrame
         Columns scene, material, variant, psnr_db.
-    order : sequence of str
+    order : list of str
         Materials from left to right.
     order_label : str
         What that order is, for the axis.
@@ -152,14 +155,14 @@ def _panels(psnr: pd.DataFrame) -> tuple[pd.DataFrame, Mapping[str, pd.DataFrame
     """
     variants = psnr["variant"].unique()
     scenes = {
-        scene: rows.pivot(index="material", columns="variant", values="psnr_db")
+        str(scene): rows.pivot(index="material", columns="variant", values="psnr_db")
         for scene, rows in psnr.groupby("scene", sort=False)
     }
     scenes = {scene: panel.reindex(columns=variants) for scene, panel in scenes.items()}
-    return sum(scenes.values())[variants] / len(scenes), scenes
+    return reduce(operator.add, scenes.values())[variants] / len(scenes), scenes
 
 
-def _axes(panels: int, names_height: float, legend_lines: int) -> tuple[Figure, Sequence[Axes]]:
+def _axes(panels: int, names_height: float, legend_lines: int) -> tuple[Figure, NDArray]:
     heights = [MEAN_HEIGHT] + [SCENE_HEIGHT] * (panels - 1)
     height = sum(heights) + names_height + 0.3 + LINE_HEIGHT * legend_lines
     figure = Figure(figsize=(style.PAGE_WIDTH, height), layout="constrained")

@@ -82,14 +82,14 @@ def emptiest_corner(foreground: NDArray[np.bool_], window: Window) -> tuple[floa
         inside = np.s_[window.row : window.row + window.side]
         free[inside, window.column : window.column + window.side] = height * width
         hidden[left, bottom] = free[rows, columns].sum()
-    return min(hidden, key=hidden.get)
+    return min(hidden, key=lambda corner: hidden[corner])
 
 
 def _add_close_up(ax: Axes, pixels: NDArray, window: Window, corner: tuple[float, float]) -> None:
     """Frame the window, and show it large in a corner."""
     row, column, side = window.row, window.column, window.side
-    frame = {"fill": False, "edgecolor": FRAME, "linewidth": 0.8}
-    ax.add_patch(Rectangle((column - 0.5, row - 0.5), side, side, **frame))
+    start = column - 0.5, row - 0.5
+    ax.add_patch(Rectangle(start, side, side, fill=False, edgecolor=FRAME, linewidth=0.8))
     inset = ax.inset_axes((*corner, INSET, INSET))
     renderings.show(inset, pixels[row : row + side, column : column + side])
     inset.spines[:].set(color=FRAME, linewidth=0.8)

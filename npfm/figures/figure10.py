@@ -54,6 +54,6 @@ def worst(run: str | Path, rows: Sequence[Row], variant: str) -> list[Row]:
     """
     error = {row: renderings.telling_window(run, row, [variant]).difference for row in rows}
     worst_of: dict[str, Row] = {}
-    for row in sorted(rows, key=error.get, reverse=True):
+    for row in sorted(rows, key=lambda row: error[row], reverse=True):
         worst_of.setdefault(row.material, row)
     return list(worst_of.values())

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
 from npfm.exports.texture import rows, texture
@@ -63,8 +64,7 @@ def draw(parts: Mapping[str, NDArray], materials: Sequence[str]) -> Figure:
     names_height = LETTER * name_size * max(map(len, materials)) / POINTS
     with style.context():
         size = style.PAGE_WIDTH, sum(heights) + 0.1 * len(heights) + names_height
-        figure = Figure(figsize=size, layout="constrained")
-        figure.get_layout_engine().set(hspace=0, h_pad=0.04)
+        figure = Figure(figsize=size, layout=ConstrainedLayoutEngine(hspace=0, h_pad=0.04))
         axes = figure.subplots(len(parts), 1, sharex=True, height_ratios=heights)
         for ax, (name, values) in zip(axes, parts.items(), strict=True):
             _draw_part(ax, values, name)

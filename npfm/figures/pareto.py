@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -15,7 +16,7 @@ from npfm.figures import style
 
 HEIGHT, LEGEND_LINE, LEGEND_COLUMNS = 2.6, 0.16, 3  # inches, but for the columns
 LARGEST_MARK = 260.0  # square points, for the most bytes
-FRONT = {"color": "0.5", "linewidth": 0.7}
+FRONT: dict[str, Any] = {"color": "0.5", "linewidth": 0.7}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -85,7 +86,7 @@ def front(costs: pd.Series, values: pd.Series) -> list[int]:
     return kept
 
 
-def _marks(settings: list[str], colors: Mapping[str, str] | None) -> dict[str, dict]:
+def _marks(settings: list[str], colors: Mapping[str, str] | None) -> dict[str, dict[str, Any]]:
     """How each variant and solver is drawn, by its label."""
     names = [setting.partition("/")[::2] for setting in settings]
     looks = style.looks(list(dict.fromkeys(variant for variant, _ in names)), colors)
@@ -100,7 +101,7 @@ def _marks(settings: list[str], colors: Mapping[str, str] | None) -> dict[str, d
     }
 
 
-def _draw_panel(ax: Axes, means: pd.DataFrame, marks: dict[str, dict], cost: str) -> None:
+def _draw_panel(ax: Axes, means: pd.DataFrame, marks: dict[str, dict[str, Any]], cost: str) -> None:
     for mark, row in zip(marks.values(), means.to_dict("records"), strict=True):
         width = np.sqrt(LARGEST_MARK * row["bytes"] / means["bytes"].max())
         ax.plot(row[cost], row["psnr_db"], markersize=width, **mark)

@@ -5,6 +5,7 @@ import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -238,7 +239,7 @@ def draw(
         for ax, variant in zip(line, columns, strict=True):
             show(ax, picture(run, row, variant))
             if variant != MEASURED:
-                value = decibels.loc[(row.material, row.scene), variant]
+                value = decibels[variant][row.material, row.scene]
                 corner_label(ax, decibels_label(value))
         row_label(line[0], row)
     for ax, heading in zip(axes[0], headings, strict=True):
@@ -269,7 +270,7 @@ def foreground(run: str | Path, row: Row) -> NDArray[np.bool_]:
     return read_reference(path)[1]
 
 
-def show(ax: Axes, pixels: NDArray, **settings) -> None:
+def show(ax: Axes, pixels: NDArray, **settings: Any) -> None:
     """Show a picture with nothing but a thin line around it."""
     ax.imshow(pixels, interpolation="nearest", **settings)
     ax.set(xticks=[], yticks=[])

@@ -1,8 +1,9 @@
 """Materials made smoother and rougher: slopes stretched, all else as it was fitted."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
@@ -61,7 +62,7 @@ def draw(
     NpfmError
         If a picture is missing.
     """
-    rows = surfaces.set_index("material")
+    rows = surfaces.set_index("material").to_dict("index")
     with style.context():
         figure, axes = sheet(len(materials), len(factors), 0.0)
         for line, material in zip(axes, materials, strict=True):
@@ -71,7 +72,7 @@ def draw(
                     raise NpfmError(f"{path}: no such picture; make it with npfm render")
                 show(ax, imread(path))
                 if factor != TEXTURED:
-                    corner_label(ax, _roughness(rows.loc[material], float(factor)))
+                    corner_label(ax, _roughness(rows[material], float(factor)))
             line[0].set_ylabel(material, labelpad=2)
         for ax, factor in zip(axes[0], factors, strict=True):
             heading = {"1": "as fitted", TEXTURED: "by a texture"}.get(factor, f"slopes x {factor}")
@@ -79,7 +80,7 @@ def draw(
     return figure
 
 
-def _roughness(surface: pd.Series, factor: float) -> str:
-    if surface.resolved != "True":
+def _roughness(surface: Mapping[Hashable, Any], factor: float) -> str:
+    if surface["resolved"] != "True":
         return "$\\alpha$ not resolved"
-    return f"$\\alpha$ {surface.alpha_ggx * factor:.2g}"
+    return f"$\\alpha$ {surface['alpha_ggx'] * factor:.2g}"

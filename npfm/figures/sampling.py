@@ -37,7 +37,8 @@ def draw(sampling: pd.DataFrame) -> Figure:
     sampling : DataFrame
         As `npfm.evaluation.accuracy_cost.sampling` makes it.
     """
-    lines = dict(iter(errors(sampling).groupby("sampling", sort=False)))
+    groups = errors(sampling).groupby("sampling", sort=False)
+    lines = {str(name): line for name, line in groups}
     looks = style.looks(list(lines))
     with style.context():
         figure = Figure(figsize=(style.PAGE_WIDTH, HEIGHT), layout="constrained")
@@ -72,8 +73,8 @@ def errors(sampling: pd.DataFrame) -> pd.DataFrame:
     """
     squared = (sampling["psnr_db"] - sampling["reference_db"]) ** 2
     groups = sampling.assign(error_db=squared).groupby(["sampling", "samples"], sort=False)
-    how = {"seconds": "mean", "picture_db": mean_db, "error_db": "mean"}
-    means = groups.agg(how).reset_index()
+    means = groups.agg({"seconds": "mean", "picture_db": mean_db, "error_db": "mean"})
+    means = means.reset_index()
     return means.assign(error_db=np.sqrt(means["error_db"]))
 
 

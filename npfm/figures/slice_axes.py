@@ -1,5 +1,7 @@
 """Slices of a table at one phi_d, over theta_h and theta_d."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
@@ -9,7 +11,7 @@ from numpy.typing import NDArray
 TICKS_H, TICKS_D = (0, 5, 20, 45, 90), (0, 30, 60, 90)
 
 
-def show(ax: Axes, values: NDArray, **settings) -> AxesImage:
+def show(ax: Axes, values: NDArray, **settings: Any) -> AxesImage:
     """Draw a slice, theta_h to the right and theta_d upwards, hatched where there is nothing.
 
     Parameters

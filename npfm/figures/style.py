@@ -2,7 +2,7 @@
 
 import argparse
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from itertools import cycle
@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib.style
-from matplotlib.axis import Axis
+from matplotlib.axis import XAxis, YAxis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
@@ -20,7 +20,7 @@ from npfm.storage.files import Kind, check_replaceable, marked, replacing
 #: Inches; the text of an ACM Transactions on Graphics page is 7 in wide, a column 3.33 in.
 PAGE_WIDTH, COLUMN_WIDTH = 7.0, 3.33
 DPI = 300
-SETTINGS = {
+SETTINGS: dict[str, Any] = {
     "font.family": "DejaVu Sans",  # comes with matplotlib: the same glyphs on every machine
     "font.size": 7,
     "axes.titlesize": 7,
@@ -98,12 +98,12 @@ OTHER_COLORS = ("#AA4499", "#999933", "#332288")
 OTHER_MARKERS = ("v", "P", "X", "*")
 
 
-def looks(variants: Sequence[str], colors: Mapping[str, str] | None = None) -> dict[str, Look]:
+def looks(variants: Iterable[str], colors: Mapping[str, str] | None = None) -> dict[str, Look]:
     """Return the look of each variant: its own where it has one, else the next free one.
 
     Parameters
     ----------
-    variants : sequence of str
+    variants : iterable of str
         Names.
     colors : mapping of str to str, optional
         Colours of some of them, in place of the project's.
@@ -146,7 +146,7 @@ def context() -> AbstractContextManager:
     return matplotlib.style.context(["default", SETTINGS])
 
 
-def plain_logarithmic(axis: Axis) -> None:
+def plain_logarithmic(axis: XAxis | YAxis) -> None:
     """Make an axis logarithmic, with 1, 2 and 5 of each decade written as plain numbers."""
     axis.axes.set(**{f"{axis.axis_name}scale": "log"})
     axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
@@ -169,9 +169,9 @@ def save(figure: Figure, paths: Sequence[str | Path]) -> None:
     NpfmError
         If a name ends in something else, or something else is there.
     """
-    paths = [Path(path) for path in paths]
-    for path in paths:
-        check_replaceable(path, *KINDS.values())
-    for path in paths:
-        with context(), replacing(path, KINDS[path.suffix]) as temporary:
-            figure.savefig(temporary, dpi=DPI, metadata=METADATA[path.suffix])
+    files = [Path(path) for path in paths]
+    for file in files:
+        check_replaceable(file, *KINDS.values())
+    for file in files:
+        with context(), replacing(file, KINDS[file.suffix]) as temporary:
+            figure.savefig(temporary, dpi=DPI, metadata=METADATA[file.suffix])

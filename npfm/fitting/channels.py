@@ -5,11 +5,11 @@ parameters, `fit_coupled` gives a model the samples of all of them at once.
 """
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from npfm.errors import NpfmError
 from npfm.fitting.fits import ChannelRecord, Fit, Trace
@@ -35,7 +35,7 @@ class ChannelFit:
     The first trace is that of the start that led to the parameters.
     """
 
-    parameters: dict[str, NDArray]
+    parameters: Mapping[str, ArrayLike]
     traces: tuple[Trace, ...]
 
 
@@ -234,7 +234,7 @@ def with_end(record: ChannelRecord) -> ChannelRecord:
 
 
 def _stored(
-    parameters: dict[str, NDArray], scale: float, coefficients: tuple[str, ...], channel: str
+    parameters: Mapping[str, ArrayLike], scale: float, coefficients: tuple[str, ...], channel: str
 ) -> dict[str, NDArray]:
     """Parameters as they are stored, the coefficients in 1/sr."""
     scaled = {

@@ -5,7 +5,7 @@ import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Generic
+from typing import Any, Generic
 
 import numpy as np
 from numpy.typing import NDArray
@@ -139,9 +139,10 @@ def save(path: str | Path, fit: Fit) -> None:
     # Fits had only one kind of grid at first, and those on it are the same bytes as ever.
     if fit.grid.kind != HalfDifference.kind:
         labels["grid_kind"] = fit.grid.kind
-    about = {name: np.array(text) for name, text in labels.items()}
+    arrays: dict[str, Any] = {name: np.array(text) for name, text in labels.items()}
+    arrays |= {"grid": np.array(fit.grid.shape), **fit.parameters}
     with replacing(path, FIT) as temporary:
-        np.savez(temporary, **about, grid=np.array(fit.grid.shape), **fit.parameters)
+        np.savez(temporary, **arrays)
     record = {
         "model": fit.model,
         "parameters": fit.parameter_count,

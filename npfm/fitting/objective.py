@@ -247,9 +247,9 @@ def degeneracy(samples: Samples) -> str | None:
         samples.floor <= EQUAL * samples.energy
     ):
         return "all samples are equal"
-    seen = counts.any(-1)
+    seen = np.any(counts, axis=-1)
     for axis, name in ((1, "theta_h"), (0, "theta_d")):
-        if np.count_nonzero(seen.any(axis)) == 1:
+        if np.count_nonzero(np.any(seen, axis=axis)) == 1:
             return f"samples in one bin of {name} only"
     return None
 

@@ -23,7 +23,7 @@ from npfm.fitting.channels import ChannelFit, as_table, fit_channels
 from npfm.fitting.factors.microfacet import (
     G_NODES,
     G_THETA,
-    MicrofacetProblem,
+    MaskedProblem,
     compiled,
     tabulate_product,
 )
@@ -97,7 +97,7 @@ def best_B(sums: Sums, rho_d: float) -> Array:
     return np.where(sums.wkk > 0, right / np.where(sums.wkk > 0, sums.wkk, 1.0), 0.0)
 
 
-class BivariateGProblem(MicrofacetProblem):
+class BivariateGProblem(MaskedProblem[State]):
     """The fit of one channel: a state is a function of its G."""
 
     def __init__(self, samples: Samples, clamp: float = CLAMP, every: int = 1):
@@ -193,8 +193,10 @@ def fit(table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
 
     def fit_channel(samples: Samples, channel: int) -> ChannelFit:
         _, state, traces = fit_samples(samples, solve)
-        parameters = {"B": state.B, "G": state.G, "rho_d": state.rho_d}
-        return ChannelFit(parameters, tuple(traces))
+        return ChannelFit(
+            {"B": state.B, "G": state.G, "rho_d": state.rho_d},
+            tuple(traces),
+        )
 
     parameters, records = fit_channels(table, objective, fit_channel, COEFFICIENTS)
     return Fit(NAME, parameters, table.grid, records)

@@ -131,8 +131,10 @@ def fit(table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
     def fit_channel(samples: Samples, channel: int) -> ChannelFit:
         state, traces = fit_samples(samples, solve)
         f = state.factors
-        parameters = {"D": f.D, "F": f.F, "rho_d": f.rho_d, "rho_s": f.rho_s}
-        return ChannelFit(parameters, tuple(traces))
+        return ChannelFit(
+            {"D": f.D, "F": f.F, "rho_d": f.rho_d, "rho_s": f.rho_s},
+            tuple(traces),
+        )
 
     parameters, records = fit_channels(table, objective, fit_channel, COEFFICIENTS)
     return Fit(NAME, parameters, table.grid, records)

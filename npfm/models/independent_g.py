@@ -134,8 +134,10 @@ def fit(
         )
         state, traces = solve(problem, dict(islice(named, starts)))
         f = state.factors
-        parameters = {"D": f.D, "F": f.F, "G": f.modulation, "rho_d": f.rho_d, "rho_s": f.rho_s}
-        return ChannelFit(parameters, tuple(traces))
+        return ChannelFit(
+            {"D": f.D, "F": f.F, "G": f.modulation, "rho_d": f.rho_d, "rho_s": f.rho_s},
+            tuple(traces),
+        )
 
     parameters, records = fit_channels(table, objective, fit_channel, COEFFICIENTS)
     return Fit(NAME, parameters, table.grid, records)

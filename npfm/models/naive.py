@@ -56,7 +56,8 @@ class NaiveProblem(FactorProblem):
             self.weight @ modulation**2,
             self.weighted_value @ modulation,
         )
-        return Sums(*self._fixed, *(self._plane(x) for x in sums), self._wrr)
+        wk, wkk, wrk = (self._plane(x) for x in sums)
+        return Sums(*self._fixed, wk, wkk, wrk, self._wrr)
 
     def normal_equations(self, state: State) -> tuple[NDArray, NDArray]:
         """Gradient and Gauss-Newton matrix in the logarithms of D, F and H, then rho_d.
@@ -128,8 +129,10 @@ def fit(table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
         ones = problem.state(*(np.ones(bins) for bins in table.grid.shape))
         state, traces = solve(problem, {"ones": ones})
         f = state.factors
-        parameters = {"D": f.D, "F": f.F, "H": f.modulation, "rho_d": f.rho_d, "rho_s": f.rho_s}
-        return ChannelFit(parameters, tuple(traces))
+        return ChannelFit(
+            {"D": f.D, "F": f.F, "H": f.modulation, "rho_d": f.rho_d, "rho_s": f.rho_s},
+            tuple(traces),
+        )
 
     parameters, records = fit_channels(table, objective, fit_channel, COEFFICIENTS, RECIPROCAL)
     return Fit(NAME, parameters, table.grid, records)

@@ -120,7 +120,7 @@ def _between(angle: Array, most: float, number: int) -> tuple[NDArray[np.intp], 
 def _smoothness() -> sparse.csc_array:
     """Sum of squared differences between neighbouring nodes, as a matrix."""
     theta_o, phi_h = (
-        sparse.diags_array([-np.ones(n - 1), np.ones(n - 1)], offsets=[0, 1], shape=(n - 1, n))
+        sparse.diags_array(np.outer([-1.0, 1.0], np.ones(n - 1)), offsets=[0, 1], shape=(n - 1, n))
         for n in (THETA_O_NODES, PHI_H_NODES)
     )
     steps = sparse.vstack(
@@ -151,7 +151,7 @@ def resampled(samples: Samples, logarithm: Array) -> Array:
     seen = np.flatnonzero(counts.any((1, 2)))
     tensor = np.empty((len(counts), THETA_O_NODES * PHI_H_NODES))
     for row in seen:
-        matrix = placed.matrix(row, counts[row])
+        matrix = placed.matrix(int(row), counts[row])
         normal = (matrix.T @ matrix + _smoothness()).tocsc()
         tensor[row] = splu(normal).solve(matrix.T @ logarithm[row, counts[row]])
     nearest = seen[np.abs(np.arange(len(counts))[:, None] - seen).argmin(1)]
@@ -225,7 +225,7 @@ def _fit_channel(samples: Samples, sweeps: int) -> ChannelFit:
     seconds = time.process_time() - began
     trace = Trace("svd", "converged", TERMS + sweeps, 0, (0.0, seconds), (1.0, reached))
     named = dict(zip(SIGNED, factors, strict=True))
-    return ChannelFit(named | {"scale": SCALE}, (trace,))
+    return ChannelFit({**named, "scale": SCALE}, (trace,))
 
 
 def _values(factors: Sequence[NDArray], scale: float, grid: HalfDifference) -> Array:

@@ -1,6 +1,6 @@
 """Which materials a figure shows: those of the paper's caption, or the nearest in diffuseness."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 #: Materials that captions and text of Bagher et al. 2016 name, by figure, in their order there.
 CAPTIONS = {
@@ -51,7 +51,7 @@ _OWN = """
 BY_DIFFUSENESS = _MERL.split(), _OWN.split()
 
 
-def chosen(wanted: Sequence[str], available: Sequence[str]) -> list[str]:
+def chosen(wanted: Sequence[str], available: Collection[str]) -> list[str]:
     """Materials to show in place of some wanted ones.
 
     A wanted material that is available is used; for another one, the available material that is
@@ -61,7 +61,7 @@ def chosen(wanted: Sequence[str], available: Sequence[str]) -> list[str]:
     ----------
     wanted : sequence of str
         As in `CAPTIONS`.
-    available : sequence of str
+    available : collection of str
         Materials of the run.
 
     Returns
@@ -83,7 +83,7 @@ def chosen(wanted: Sequence[str], available: Sequence[str]) -> list[str]:
     return shown
 
 
-def _rank(name: str, others: Sequence[str]) -> float:
+def _rank(name: str, others: Collection[str]) -> float:
     """Place in an order by diffuseness, from 0 to 1; of an unknown name, among `others` by name."""
     known = (order for order in BY_DIFFUSENESS if name in order)
     order = next(known, sorted(others))

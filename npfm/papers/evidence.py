@@ -1,6 +1,6 @@
 """What a run has to say about the paper's claims: its tables, and questions put to them."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -102,14 +102,14 @@ class Evidence:
         return self.renderings(models).groupby("material").mean()
 
 
-def starts(run: str, materials: Sequence[str]) -> pd.DataFrame:
+def starts(run: str, materials: Iterable[str]) -> pd.DataFrame:
     """How far apart the starts of each fit of independent-g end.
 
     Parameters
     ----------
     run : str
         Folder of the run, with ``fits/independent-g/<material>.json``.
-    materials : sequence of str
+    materials : iterable of str
         What counts.
 
     Returns

@@ -1,6 +1,6 @@
 """How a claim is put to the tables: each function returns what the run says about one."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,7 +78,7 @@ def largest_gain(evidence: Evidence, paper: float) -> Finding:
     """Largest gain of independent-g over the better of the two others in a rendering."""
     table = evidence.renderings(NON_PARAMETRIC)
     gain = table["independent-g"] - table[NON_PARAMETRIC[1:]].max(axis=1)
-    material, scene = gain.idxmax()
+    material, scene = gain.index[int(gain.argmax())]
     ours = f"{gain.max():.1f} dB ({material}, scene {scene})"
     return Finding(ours, abs(gain.max() - paper) <= TIE_DB, f"{gain.max() - paper:+.1f} dB")
 
@@ -184,9 +184,13 @@ def size(evidence: Evidence, variant: str, paper: int) -> Finding:
 
 
 def _weighted_materials(evidence: Evidence) -> list[str]:
+    return list(_weighting(evidence).dropna(subset="psnr_db")["material"].unique())
+
+
+def _weighting(evidence: Evidence) -> pd.DataFrame:
     if evidence.weighting is None:
         raise Untestable("the run has no table of fits without the compressive weight")
-    return list(evidence.weighting.dropna(subset="psnr_db")["material"].unique())
+    return evidence.weighting
 
 
 def _gain_by_weight(
@@ -196,7 +200,7 @@ def _gain_by_weight(
 
     Fits are named as `npfm.run.weighting` names them, or as the run does if it has them.
     """
-    by_fit = evidence.weighting.groupby(["material", "variant"])["psnr_db"]
+    by_fit = _weighting(evidence).groupby(["material", "variant"])["psnr_db"]
     means = by_fit.agg(mean_db).unstack()
     weighted = means.columns.intersection([f"{model}-to-{max_angle}-weighted", model])
     without = f"{model}-to-{max_angle}-unweighted"
@@ -204,7 +208,7 @@ def _gain_by_weight(
         raise Untestable("the run has too few materials with and without the compressive weight")
     if weighted.empty or without not in means:
         raise Untestable(f"the run has no {model} with and without the compressive weight")
-    gain = (means[weighted[0]] - means[without]).reindex(materials).dropna()
+    gain = (means[weighted[0]] - means[without]).reindex(list(materials)).dropna()
     if gain.empty:
         raise Untestable(f"the run has no PSNR of {model} with and without the compressive weight")
     return gain
@@ -234,7 +238,7 @@ def _share(count: int, total: int, paper: float) -> Finding:
     return Finding(f"{share:.1f} % ({count} of {total})", holds, f"{share - paper:+.1f} points")
 
 
-def _listed(prefix: str, names: Sequence[str], most: int = 6) -> str:
+def _listed(prefix: str, names: Collection[str], most: int = 6) -> str:
     shown = ", ".join(list(names)[:most]) + (
         f" and {len(names) - most} more" if len(names) > most else ""
     )

@@ -51,7 +51,7 @@ def _statistics(materials: pd.DataFrame) -> dict:
 
 
 def _table1_row(entry: Mapping, materials: int) -> dict:
-    row = {"materials": materials}
+    row: dict[str, float] = {"materials": materials}
     for quantity in ("seconds", "iterations", "gss_calls"):
         for statistic, value in zip(("min", "avg", "max"), entry[quantity], strict=True):
             row[f"{quantity}_{statistic}"] = float(value)

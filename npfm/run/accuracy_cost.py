@@ -162,7 +162,7 @@ def _stages(config: Mapping[str, Any]) -> dict[str, dict[str, dict]]:
         {"name": entry, "model": entry} if isinstance(entry, str) else dict(entry)
         for entry in config["variants"]
     ]
-    models = {}
+    models: dict[str, dict] = {}
     # What is published took no time here.
     fitted = [entry for entry in own if not registry.declared(entry["model"]).published]
     for entry in [{"name": MODEL, "model": MODEL}, *fitted]:

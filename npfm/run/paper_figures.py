@@ -1,5 +1,6 @@
 """What Figures 3 to 7 and 9 to 16 are drawn from, as far as a run has it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from npfm.figures.compared import LABELS, compared
@@ -93,9 +94,9 @@ def _compared(run: Run, figure: str, variants: list[str]) -> Drawn:
     return Drawn([table], [*names, "--psnr", table], LABELS[figure])
 
 
-def _tables(run: Run, materials: list[str]) -> list[str]:
+def _tables(run: Run, materials: Sequence[str]) -> list[str]:
     return [f"{run.folder}/materials/{name}.binary" for name in materials]
 
 
-def _fits(run: Run, variant: str, materials: list[str]) -> list[str]:
+def _fits(run: Run, variant: str, materials: Sequence[str]) -> list[str]:
     return [f"{run.folder}/fits/{variant}/{name}.npz" for name in materials]

@@ -124,9 +124,15 @@ def _file(module: str) -> Path | None:
     return next((f for f in (path.with_suffix(".py"), path / "__init__.py") if f.is_file()), None)
 
 
+def _source(module: str) -> Path:
+    if (file := _file(module)) is None:
+        raise ValueError(f"there is no module {module}")
+    return file
+
+
 @cache
 def _tree(module: str) -> ast.Module:
-    return ast.parse(_file(module).read_text("utf-8"))
+    return ast.parse(_source(module).read_text("utf-8"))
 
 
 def _imports_by_name(module: str) -> bool:
@@ -151,9 +157,9 @@ def _named(module: str) -> Iterator[str]:
 
 
 def _absolute(module: str, node: ast.ImportFrom) -> str:
-    if not node.level:
+    if node.module and not node.level:
         return node.module
-    is_package = _file(module).name == "__init__.py"
+    is_package = _source(module).name == "__init__.py"
     base = module.split(".")[: None if is_package and node.level == 1 else is_package - node.level]
     return ".".join([*base, node.module] if node.module else base)
 
@@ -200,7 +206,7 @@ def _parts(node: ast.AST, name: str, value: Any) -> list[Any]:
 
 
 def _joined(constants: Iterable[ast.Constant]) -> list[str]:
-    text = "".join(constant.value for constant in constants)
+    text = "".join(str(constant.value) for constant in constants)
     return [text] if text else []
 
 

@@ -63,7 +63,10 @@ class Weighting:
     def pictures(self) -> dict[int, Pairs]:
         """Variants of each figure by the names of their pictures, which may be the run's own."""
         return {
-            figure: {what: tuple(map(self._picture, pair)) for what, pair in pairs.items()}
+            figure: {
+                what: (self._picture(weighted), self._picture(plain))
+                for what, (weighted, plain) in pairs.items()
+            }
             for figure, pairs in self.columns.items()
         }
 

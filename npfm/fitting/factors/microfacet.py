@@ -11,12 +11,21 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from types import ModuleType
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fitting.factors.problem import FactorProblem, State, Sums, updated_D, updated_F
+from npfm.fitting.factors.problem import (
+    ChannelProblem,
+    FactorProblem,
+    State,
+    Sums,
+    updated_D,
+    updated_F,
+)
 from npfm.fitting.objective import Samples
+from npfm.fitting.solvers.problem import S
 from npfm.reflectance.half_difference import HalfDifference
 
 Array = NDArray[np.float64]
@@ -70,16 +79,17 @@ def elevations(grid: HalfDifference, every: int = 1) -> Elevations:
     """Elevations of the folded half of a grid, of every n-th bin of phi_d from the middle on."""
     half = grid.phi_d_bins // 2
     kept = slice(every // 2, half, every)
-    places, cosines = [], []
+    nodes, parts, cosines = [], [], []
     for cosine in grid.cosines:
         theta = np.clip(np.arccos(np.clip(cosine[..., kept], -1, 1)), G_THETA[0], G_THETA[-1])
         place = (theta - G_THETA[0]) / (G_THETA[1] - G_THETA[0])
         place = place.reshape(-1, place.shape[-1])
         node = np.minimum(place, G_NODES - 2).astype(np.int16)
-        places += [node, place - node]
+        nodes.append(node)
+        parts.append(place - node)
         cosines.append(np.cos(theta))
     inverse = np.where(grid.above_horizon[..., kept], 1 / (cosines[0] * cosines[1]), 0.0)
-    return Elevations(*places, inverse.reshape(places[0].shape))
+    return Elevations(nodes[0], parts[0], nodes[1], parts[1], inverse.reshape(nodes[0].shape))
 
 
 def kernel(at: Elevations, G: Array) -> Array:
@@ -90,8 +100,8 @@ def kernel(at: Elevations, G: Array) -> Array:
     return at_i * at_o * at.inverse_cosines
 
 
-class MicrofacetProblem(FactorProblem):
-    """The fit of one channel of equation 3, on folded samples; a model supplies `stages`.
+class MaskedProblem(ChannelProblem[S]):
+    """The fit of one channel of a model with a G, on folded samples.
 
     Parameters
     ----------
@@ -102,8 +112,6 @@ class MicrofacetProblem(FactorProblem):
     every : int
         Use every n-th bin of phi_d only.
     """
-
-    degree = 2
 
     def __init__(self, samples: Samples, clamp: float, every: int = 1):
         kept = slice(every // 2, None, every)
@@ -123,27 +131,9 @@ class MicrofacetProblem(FactorProblem):
         self._fixed = self.weight.sum(1).reshape(plane), self.weighted_value.sum(1).reshape(plane)
         self._wrr = float(np.vdot(self.weighted_value, self.samples.value))
 
-    def thinned(self, every: int) -> "MicrofacetProblem":
+    def thinned(self, every: int) -> Self:
         """Return the same fit on every n-th bin of phi_d."""
         return type(self)(self._unthinned, self.clamp, every)
-
-    @property
-    def inner(self) -> tuple[Callable[[State], State], ...]:
-        """AWLS updates of all but G, which cost next to nothing."""
-        return (
-            lambda state: updated_D(state, self.clamp),
-            lambda state: updated_F(state, self.clamp),
-            State.with_coefficients,
-        )
-
-    def warmed_up(self, state: State) -> State:
-        """Return the state after updates of all but G, as long as they help."""
-        for update in self.inner * WARM_UP_SWEEPS:
-            candidate = update(state)
-            if self.objective(candidate) > self.objective(state):
-                break
-            state = candidate
-        return self.normalised(state)
 
     @property
     def _arrays(self) -> tuple[NDArray, ...]:
@@ -163,8 +153,9 @@ class MicrofacetProblem(FactorProblem):
     def sums(self, modulation: Array) -> Sums:
         """Sums over phi_d for a masking-shadowing factor, shape (G_NODES,)."""
         plane = self.samples.grid.shape[:2]
-        sums = (x.reshape(plane) for x in compiled().kernel_sums(*self._arrays, modulation))
-        return Sums(*self._fixed, *sums, self._wrr)
+        sums = compiled().kernel_sums(*self._arrays, modulation)
+        wk, wkk, wrk = (x.reshape(plane) for x in sums)
+        return Sums(*self._fixed, wk, wkk, wrk, self._wrr)
 
     def updated_G(self, slope: Array, rho_d: float, G: Array, smoothing: float) -> Array:
         """AWLS update of G: solve for G_i, then for G_o, and average the two (section 4.3).
@@ -194,6 +185,33 @@ class MicrofacetProblem(FactorProblem):
         hold = PROXIMAL * diagonal.max() or 1.0
         solved = solveh_banded(np.stack([beside, diagonal + hold]), right + hold * G)
         return np.maximum(solved, self.clamp * solved.max()) if solved.max() > 0 else G
+
+
+class MicrofacetProblem(MaskedProblem[State], FactorProblem):
+    """The fit of one channel of equation 3; see `MaskedProblem` for its parameters.
+
+    A model supplies `stages`.
+    """
+
+    degree = 2
+
+    @property
+    def inner(self) -> tuple[Callable[[State], State], ...]:
+        """AWLS updates of all but G, which cost next to nothing."""
+        return (
+            lambda state: updated_D(state, self.clamp),
+            lambda state: updated_F(state, self.clamp),
+            State.with_coefficients,
+        )
+
+    def warmed_up(self, state: State) -> State:
+        """Return the state after updates of all but G, as long as they help."""
+        for update in self.inner * WARM_UP_SWEEPS:
+            candidate = update(state)
+            if self.objective(candidate) > self.objective(state):
+                break
+            state = candidate
+        return self.normalised(state)
 
     def normal_equations(self, state: State) -> tuple[Array, Array]:
         """Gradient and Gauss-Newton matrix in the logarithms of D, F and G, then rho_d."""

@@ -9,11 +9,13 @@ out on them, exactly.
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Generic, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from npfm.fitting.objective import Samples
+from npfm.fitting.solvers.problem import S
 
 Array = NDArray[np.float64]
 
@@ -98,6 +100,15 @@ def coefficients(sums: Sums, product: Array) -> tuple[float, float]:
     return (float(rho_d), float(rho_s)) if rho_d >= 0 else (0.0, float(wxy / wxx))
 
 
+class Changed(TypedDict, total=False):
+    """What of `Factors` can change while K stays."""
+
+    D: Array
+    F: Array
+    rho_d: float
+    rho_s: float
+
+
 @dataclass(frozen=True)
 class State:
     """Factors with the sums that belong to their K."""
@@ -110,7 +121,7 @@ class State:
         """D F, shape (theta_h, theta_d)."""
         return np.outer(self.factors.D, self.factors.F)
 
-    def with_factors(self, **changed: Array | float) -> "State":
+    def with_factors(self, **changed: Unpack[Changed]) -> "State":
         """Return the state with D, F or the coefficients replaced; K stays."""
         return replace(self, factors=replace(self.factors, **changed))
 
@@ -120,8 +131,8 @@ class State:
         return self.with_factors(rho_d=rho_d, rho_s=rho_s)
 
 
-class FactorProblem(ABC):
-    """The fit of one channel of a one-product model (see `npfm.fitting.solvers.problem.Problem`).
+class ChannelProblem(ABC, Generic[S]):
+    """The fit of one channel of a model with a K (see `npfm.fitting.solvers.problem.Problem`).
 
     Parameters
     ----------
@@ -130,9 +141,6 @@ class FactorProblem(ABC):
     clamp : float
         Smallest component of a factor whose largest is 1.
     """
-
-    #: Power of the modulation in K.
-    degree = 1
 
     def __init__(self, samples: Samples, clamp: float):
         self.samples = samples
@@ -143,6 +151,11 @@ class FactorProblem(ABC):
         """Objective of the zero model."""
         return self.samples.energy
 
+    @property
+    def lower(self) -> float:
+        """Least logarithm of a component of a factor whose largest is 1."""
+        return float(np.log(max(self.clamp, SMALLEST)))
+
     @abstractmethod
     def sums(self, modulation: Array) -> Sums:
         """Sums over phi_d for a modulation."""
@@ -151,6 +164,25 @@ class FactorProblem(ABC):
     @abstractmethod
     def seen(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
         """Which components of D, F and the modulation any sample depends on."""
+
+    @abstractmethod
+    def objective(self, state: S) -> float:
+        """Objective of equation 7, the floor included."""
+
+    @abstractmethod
+    def between(self, before: S, after: S, t: float) -> S:
+        """Return the state a share `t` of the way from one to another."""
+
+    def along(self, before: S, after: S) -> Callable[[float], float]:
+        """Objective on the way from one state to another."""
+        return lambda t: self.objective(self.between(before, after, t))
+
+
+class FactorProblem(ChannelProblem[State]):
+    """The fit of one channel of a one-product model; see `ChannelProblem` for its parameters."""
+
+    #: Power of the modulation in K.
+    degree = 1
 
     def state(self, D: Array, F: Array, modulation: Array) -> State:
         """Return the state of given factors with its best coefficients.
@@ -190,11 +222,6 @@ class FactorProblem(ABC):
             first += factor.size
         return np.concatenate(tops)
 
-    @property
-    def lower(self) -> float:
-        """Least logarithm of a component of a factor whose largest is 1."""
-        return float(np.log(max(self.clamp, SMALLEST)))
-
     def objective(self, state: State) -> float:
         """Objective of equation 7, the floor included."""
         f = state.factors
@@ -217,10 +244,6 @@ class FactorProblem(ABC):
             (1 - t) * a.rho_s + t * b.rho_s,
         )
         return State(mixed, before.sums if a.modulation is b.modulation else self.sums(modulation))
-
-    def along(self, before: State, after: State) -> Callable[[float], float]:
-        """Objective on the way from one state to another."""
-        return lambda t: self.objective(self.between(before, after, t))
 
     def normalised(self, state: State) -> State:
         """Return the same model with each factor scaled to maximum 1, rho_s taking the scale."""

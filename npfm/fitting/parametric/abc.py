@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from npfm.fitting.parametric.lobes import Directions, Form, Shape
 
 
-def fresnel(cos_d: NDArray, eta: float) -> NDArray:
+def fresnel(cos_d: NDArray, eta: NDArray | float) -> NDArray:
     """Unpolarised reflectance of a dielectric of index `eta` (Cook and Torrance 1982)."""
     g = np.sqrt(eta**2 + cos_d**2 - 1)
     parallel = (cos_d * (g + cos_d) - 1) / (cos_d * (g - cos_d) + 1)

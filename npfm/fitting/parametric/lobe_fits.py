@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.optimize import OptimizeResult, least_squares, nnls
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import least_squares, nnls
 
 from npfm.errors import NpfmError
 from npfm.fitting.channels import CoupledFit, fit_coupled, with_end
@@ -82,6 +82,16 @@ def _check_samples(name: str, goals: Sequence[Goal]) -> None:
 
 
 @dataclass(frozen=True)
+class _End:
+    """Where a run of scipy's solver ended: the unknowns, and half the sum of squares there."""
+
+    x: NDArray
+    cost: float
+    evaluations: int
+    converged: bool
+
+
+@dataclass(frozen=True)
 class _Problem:
     """The samples that a group of channels is fitted to, as flat arrays, first axis the channel.
 
@@ -151,7 +161,7 @@ class _Problem:
             jacobian[2 * channels + k] = slope * rho_s * change
         return jacobian.reshape(x.size, -1).T
 
-    def start(self, vector: Sequence[float]) -> NDArray:
+    def start(self, vector: ArrayLike) -> NDArray:
         """Return the unknowns with the coefficients that are best for a shape.
 
         To first order in the difference if the goal is logarithmic.
@@ -164,17 +174,17 @@ class _Problem:
         ]
         return np.concatenate([*np.transpose(best), vector])
 
-    def minimise(self, start: NDArray, evaluations: int) -> OptimizeResult:
+    def minimise(self, start: NDArray, evaluations: int) -> _End:
         """Run scipy's solver from a start, unless nothing is left to gain."""
         below, above = self.form.bounds
         free = 2 * len(self.goal.scale)
         bounds = np.r_[np.zeros(free), below], np.r_[np.full(free, np.inf), above]
         cost = float(np.sum(self._residuals(start) ** 2)) / 2
         if cost < NEGLIGIBLE * self.zero_cost:
-            return OptimizeResult(x=start, cost=cost, nfev=1, status=1)
+            return _End(start, cost, 1, True)
         # Where a lobe is black its shape has no effect, and scipy divides 0 by 0.
         with np.errstate(divide="ignore", invalid="ignore"):
-            return least_squares(
+            found = least_squares(
                 self._residuals,
                 start,
                 self._jacobian,
@@ -185,6 +195,7 @@ class _Problem:
                 gtol=None,
                 max_nfev=evaluations,
             )
+        return _End(found.x, float(found.cost), int(found.nfev), bool(found.status > 0))
 
 
 def _fit_together(
@@ -199,8 +210,8 @@ def _fit_together(
         traces[name] = _trace(name, coarse, [results[name]], began)
     best = min(results, key=lambda name: results[name].cost)
     began = time.process_time() - traces[best].seconds[-1] * len(goal.scale)
-    vector = results[best].x[2 * len(goal.scale) :]
-    final = fine.minimise(fine.start(vector), FINE_EVALUATIONS)
+    shape = results[best].x[2 * len(goal.scale) :]
+    final = fine.minimise(fine.start(shape), FINE_EVALUATIONS)
     runs = [_trace(best, fine, [results[best], final], began)]
     runs += [trace for name, trace in traces.items() if name != best]
     whole = _Problem(form, goal, _thinned(goal, goal.grid.size))
@@ -209,11 +220,11 @@ def _fit_together(
     return _parameters(whole, x, samples), runs
 
 
-def _trace(name: str, problem: _Problem, results: Sequence[OptimizeResult], began: float) -> Trace:
-    status = "converged" if results[-1].status > 0 else "iteration cap"
+def _trace(name: str, problem: _Problem, results: Sequence[_End], began: float) -> Trace:
+    status = "converged" if results[-1].converged else "iteration cap"
     seconds = (time.process_time() - began) / len(problem.goal.scale)
-    share = float(2 * results[-1].cost / problem.zero_cost)
-    iterations = sum(result.nfev for result in results)
+    share = 2 * results[-1].cost / problem.zero_cost
+    iterations = sum(result.evaluations for result in results)
     return Trace(name, status, iterations, 0, (seconds,), (share,))
 
 

@@ -7,6 +7,7 @@ of theta_h in the first bin of theta_d.
 """
 
 from collections.abc import Sequence
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,9 +43,9 @@ def consistent_kernel(samples: Samples) -> tuple[Array, NDArray[np.bool_]]:
     """
     grid, at = samples.grid, cells(samples.grid)
     value, seen, rows = _backscattered(samples)
-    cos_i, cos_o, node_i, node_o, part_i, part_o = (
-        array[rows] for array in (*at.cosines, *at.nodes, *at.parts)
-    )
+    cos_i, cos_o = (array[rows] for array in at.cosines)
+    node_i, node_o = (array[rows] for array in at.nodes)
+    part_i, part_o = (array[rows] for array in at.parts)
     shares = _scattered(value * cos_i, node_o, part_o) + _scattered(value * cos_o, node_i, part_i)
     projected = 2 * np.pi * np.cos(grid.theta_h) * bands(grid)
     once_too_often = np.sum(value * cos_i * cos_o, axis=1)[:, None] * projected
@@ -90,7 +91,7 @@ def _scattered(value: Array, node: NDArray, part: Array) -> Array:
     place = np.arange(len(value))[:, None] * len(ELEVATIONS) + node
     below = np.bincount(place.ravel(), (value * (1 - part)).ravel(), size)
     above = np.bincount(place.ravel() + 1, (value * part).ravel(), size)
-    return (below + above).reshape(len(value), -1)
+    return np.asarray(below + above, dtype=float).reshape(len(value), -1)
 
 
 #: Ways to set the eigenproblem up, by name.
@@ -121,7 +122,7 @@ def distribution(samples: Sequence[Samples], kernel: str) -> tuple[Array, str, i
     unit = max(channel.scale for channel in samples)
     matrices = [(channel.scale / unit) * _filled(*KERNELS[kernel](channel)) for channel in samples]
     # In an order of their own, so that that of the channels does not even matter for rounding.
-    return power_iterations(sum(sorted(matrices, key=np.sum)))
+    return power_iterations(reduce(np.add, sorted(matrices, key=np.sum)))
 
 
 def _filled(matrix: Array, seen: NDArray[np.bool_]) -> Array:

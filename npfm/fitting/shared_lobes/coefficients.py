@@ -50,7 +50,7 @@ def _scaled(matrix: Array, right: Array, lower: Array) -> Array:
                 continue
         if not shut.size:
             return x  # the least of all, and within the bounds
-        value = x @ matrix @ x - 2 * right @ x
+        value = float(x @ matrix @ x - 2 * right @ x)
         if value < least:
             best, least = x, value
     return best

@@ -5,6 +5,7 @@ from dataclasses import replace
 from itertools import islice
 
 import numpy as np
+from numpy.typing import NDArray
 
 from npfm.fitting.factors.microfacet import G_NODES
 from npfm.fitting.fits import Trace
@@ -79,7 +80,7 @@ def _joined(before: Trace, after: Trace) -> Trace:
     )
 
 
-def by_width(state: State, theta_h) -> State:
+def by_width(state: State, theta_h: NDArray[np.float64]) -> State:
     """Return the state with its lobes sorted by the mean theta_h of D."""
     order = np.argsort((state.D @ theta_h) / state.D.sum(1), kind="stable")
     wk, wkk, wrk = state.sums

@@ -152,7 +152,7 @@ class SharedLobesProblem:
         """Which components of D, of the F of each channel, and of G enough samples depend on."""
         counts = self.weight > 0
         number = counts.sum(2).reshape(-1, *self.grid.shape[:2])
-        seen_by = number.sum((0, 2)), number.sum(1), self.places.reads(counts.any(0))
+        seen_by = number.sum((0, 2)), number.sum(1), self.places.reads(np.any(counts, axis=0))
         return tuple(n > OBSERVED * n.max(-1, keepdims=True) for n in seen_by)
 
     @property
@@ -169,10 +169,13 @@ class SharedLobesProblem:
         D = np.stack([filled(x, in_d, CLAMP) for x in np.asarray(D, dtype=float)])
         F = np.stack([filled(x, seen, CLAMP) for x, seen in zip(F, in_f, strict=True)])
         G = np.stack([filled(x, in_g, CLAMP) for x in np.asarray(G, dtype=float)])
-        return self.with_coefficients(self._with_G(State(D, F, G, np.empty(0), np.empty(0), ()), G))
+        return self.with_coefficients(State(D, F, G, np.empty(0), np.empty(0), self._sums(G)))
+
+    def _sums(self, G: Array) -> tuple[Array, Array, Array]:
+        return compiled().kernel_sums(*self._arrays, G)
 
     def _with_G(self, state: State, G: Array) -> State:
-        return replace(state, G=G, sums=compiled().kernel_sums(*self._arrays, G))
+        return replace(state, G=G, sums=self._sums(G))
 
     def _equations(self, state: State, channel: int) -> tuple[Array, Array]:
         """Matrix and right-hand side of rho_d and the rho_s of a channel."""
@@ -311,7 +314,7 @@ class SharedLobesProblem:
 
         def sweep(smoothing: float) -> tuple[Callable[[State], State], ...]:
             every = range(self.lobes)
-            inner = [
+            inner: list[Callable[[State], State]] = [
                 *(partial(alternating.updated_D, self, lobe) for lobe in every),
                 partial(alternating.updated_F, self),
                 self.with_coefficients,

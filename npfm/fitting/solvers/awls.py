@@ -19,7 +19,7 @@ def solve(
     problem: Problem[S],
     starts: Mapping[str, S],
     settings: SolverSettings,
-    after_start: Callable[[], None] = lambda: None,
+    after_start: Callable[[], object] = lambda: None,
     ease: float = 1.0,
 ) -> tuple[S, list[Trace]]:
     """Run AWLS from each start; the state with the lowest objective and all traces.

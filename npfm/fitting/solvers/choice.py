@@ -10,7 +10,7 @@ from npfm.fitting.solvers.problem import Solver, SolverSettings
 SOLVERS = ("gauss-newton", "awls")
 
 
-def chosen(settings: SolverSettings, after_start: Callable[[], None] = lambda: None) -> Solver:
+def chosen(settings: SolverSettings, after_start: Callable[[], object] = lambda: None) -> Solver:
     """Return the solver that the settings name, with the settings applied.
 
     Parameters

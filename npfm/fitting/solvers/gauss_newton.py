@@ -29,7 +29,7 @@ def solve(
     problem: Problem[S],
     starts: Mapping[str, S],
     settings: SolverSettings,
-    after_start: Callable[[], None] = lambda: None,
+    after_start: Callable[[], object] = lambda: None,
     ease: float = 1.0,
 ) -> tuple[S, list[Trace]]:
     """Minimise from each start on thinned samples, then from the best on all of them.

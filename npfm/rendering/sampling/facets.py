@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
-from npfm.reflectance.half_difference import HalfDifference
+from npfm.reflectance.grids import Grid
 from npfm.rendering.sampling.strategy import Given
 from npfm.rendering.shading import Shading
 
@@ -24,13 +24,13 @@ class Facets:
     squares : ndarray, shape (bins + 1,)
         Squared sines of the edges of the bins, from 0 to 1: their differences, times pi, are the
         projected solid angles of the bins.
-    grid : HalfDifference
+    grid : Grid
         Whose bins they are.
     """
 
     D: Array
     squares: Array
-    grid: HalfDifference
+    grid: Grid
 
     @property
     def areas(self) -> Array:
@@ -42,7 +42,7 @@ class Facets:
         lower = self.squares[k]
         return np.sqrt(np.maximum(1 - lower - part * (self.squares[k + 1] - lower), 0))
 
-    def bins(self, cos_h: Array) -> NDArray[np.int32]:
+    def bins(self, cos_h: Array) -> NDArray[np.integer]:
         """Bins that half vectors at these cosines fall into."""
         return self.grid.theta_h_bin(np.arccos(np.clip(cos_h, 0, 1)))
 

@@ -100,7 +100,7 @@ def _paint(eye: Array, direction: Array, hit: Hit) -> Array:
 
 def _daylight(points: Array, inside: Mask, brightness: float) -> Array:
     panes = (np.abs(repeat(points[:, 1], 0.8)) < 0.36) & inside
-    return (panes * brightness)[:, None] * (1.0, 1.05, 1.2)
+    return (panes * brightness)[:, None] * np.array([1.0, 1.05, 1.2])
 
 
 def _coffers(u: Array, v: Array) -> Array:
