@@ -64,7 +64,8 @@ def _gains(evidence: Evidence, material: str, others: Sequence[str]) -> pd.Serie
     table = evidence.materials([OURS, *others])
     if material not in table.index:
         raise Untestable(f"the run has no {material}")
-    return table.loc[material, list(others)] - table.loc[material, OURS]
+    [row] = table.loc[[material]].to_dict("records")
+    return pd.Series({name: row[name] - row[OURS] for name in others})
 
 
 def _fits(evidence: Evidence) -> pd.DataFrame:
