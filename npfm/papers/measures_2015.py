@@ -14,7 +14,7 @@ OURS = "power iterations"
 def on_par(evidence: Evidence, materials: Sequence[str], model: str) -> Finding:
     """Mean PSNR over some materials, within 2 dB of another model's or above it."""
     table = evidence.materials([OURS, model])
-    table = table.loc[table.index.intersection(materials)]
+    table = table.loc[table.index.intersection(list(materials))]
     if table.empty:
         raise Untestable("the run has none of the materials")
     difference = (table[OURS] - table[model]).mean()
