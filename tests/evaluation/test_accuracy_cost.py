@@ -89,8 +89,8 @@ def test_the_reference_has_more_samples_and_other_random_numbers():
     made = planned()
     assert len(made.builds) == 3 * 5
     options = " ".join(made.scene_options("half-vector-64"))
-    assert "--samples 64 --sampling half-vector --seed 1" in options
-    reference = "--resolution 32 --samples 32768 --sampling light half-vector --seed 2"
+    assert "--samples 64 --seed 1 --sampling half-vector" in options
+    reference = "--resolution 32 --samples 32768 --seed 2 --sampling light half-vector"
     assert reference in " ".join(made.scene_options("reference"))
 
 
