@@ -4,9 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from npfm.papers import bagher2016, dupuy2015
+from npfm.papers import bagher2016, dupuy2015, peng2017
 from npfm.papers import measures as m
 from npfm.papers import measures_2015 as m15
+from npfm.papers import measures_2017 as m17
 from npfm.papers.evidence import NAMES, Evidence
 from npfm.papers.measures import Finding
 
@@ -275,6 +276,57 @@ TOPICS = (
                 LAYOUT,
             )
             for variant, count in bagher2016.BYTES.items()
+        ),
+    ),
+    Topic(
+        f"Shared lobes ({peng2017.SOURCE})",
+        ("figure08_by_error",),
+        (
+            Claim(
+                "better than independent-g, in its two scenes",
+                f"{peng2017.BETTER_THAN_INDEPENDENT_G} of {peng2017.MATERIALS} materials",
+                m17.better_materials,
+                LIGHTS,
+            ),
+            Claim(
+                "at least as good as independent-g for every other material",
+                "as good (here: not worse by 2 dB)",
+                m17.never_worse,
+                LIGHTS,
+            ),
+            Claim(
+                "closer to the bivariate model than to independent-g",
+                "closer",
+                m17.nearer_to_bivariate,
+                TABLES,
+            ),
+            Claim(
+                "for some materials even better than the bivariate model",
+                "some",
+                m17.sometimes_above_bivariate,
+                TABLES,
+            ),
+            Claim(
+                f"{peng2017.MUCH_BETTER} is much better than by independent-g",
+                "much better (here: more than 2 dB)",
+                partial(m17.gain, material=peng2017.MUCH_BETTER, large=True),
+                SOLVER,
+            ),
+            *(
+                Claim(
+                    f"{name} is not much better than by independent-g",
+                    "no much improvement (here: not by 2 dB)",
+                    partial(m17.gain, material=name, large=False),
+                    SOLVER,
+                )
+                for name in peng2017.HARDLY_BETTER
+            ),
+            Claim(
+                "values of a fit, and more than of independent-g",
+                f"{peng2017.PARAMETERS}, {peng2017.MORE_THAN_INDEPENDENT_G:+d}",
+                m17.size,
+                LAYOUT,
+            ),
         ),
     ),
     Topic(

@@ -28,6 +28,8 @@ NAMES_2015 = {
     "GGX": ("ggx",),
     "Beckmann": ("beckmann",),
 }
+#: And the model of the 2017 paper.
+NAMES_2017 = {"shared lobes": ("shared-lobes",)}
 
 
 class Untestable(Exception):
@@ -73,7 +75,7 @@ class Evidence:
             If it has none.
         """
         available = set(self.psnr["variant"])
-        names = (NAMES | NAMES_2015)[model]
+        names = (NAMES | NAMES_2015 | NAMES_2017)[model]
         for name in names:
             if name in available:
                 return name

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from npfm.papers import bagher2016, dupuy2015
+from npfm.papers import bagher2016, dupuy2015, peng2017
 from npfm.papers.claims import TOPICS, Claim, Topic
 from npfm.papers.evidence import Evidence, Untestable
 from npfm.storage.files import Kind, marked, replacing
@@ -59,8 +59,8 @@ def write(
     counts = Counter(verdict for _, rows in found for _, _, verdict, _ in rows)
     blocks = [
         f"{TITLE} `{name}`",
-        f"The claims of {bagher2016.SOURCE}, and at the end those of {dupuy2015.SOURCE}, one by "
-        "one, beside what this run says. Written by "
+        f"The claims of {bagher2016.SOURCE}, and at the end those of {peng2017.SOURCE} and of "
+        f"{dupuy2015.SOURCE}, one by one, beside what this run says. Written by "
         "`snakemake reproduction` from the run's tables; not to be edited.",
         _tally(evidence, counts),
         TABLES[dataset],

@@ -192,7 +192,7 @@ def test_every_claim_is_judged_on_a_run_that_has_everything():
         long_table(pairs),
         MATERIALS,
     )
-    claims = [claim for topic in TOPICS[:-1] for claim in topic.claims]
+    claims = [claim for topic in TOPICS[:-2] for claim in topic.claims]  # of this paper
     verdicts = {claim.text: page.judged(claim, run) for claim in claims}
     untestable = [text for text, (_, verdict, _) in verdicts.items() if verdict == page.UNTESTABLE]
     assert len(untestable) == 1 and "polyurethane-foam" in untestable[0]
