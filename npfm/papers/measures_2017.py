@@ -48,7 +48,8 @@ def gain(evidence: Evidence, material: str, large: bool) -> Finding:
     table = _in_two_scenes(evidence, [OURS, OTHER])
     if material not in table.index:
         raise Untestable(f"the run has no {material}")
-    decibels = table.loc[material, OURS] - table.loc[material, OTHER]
+    [row] = table.loc[[material]].to_dict("records")
+    decibels = float(row[OURS] - row[OTHER])
     ours = f"{decibels:+.2f} dB"
     return Finding(ours, (decibels > TIE_DB) == large, ours)
 
