@@ -5,6 +5,9 @@ r"""What brings the gain of shared lobes, and what their D is worth as a density
     python benchmarks/shared_lobes.py sampling data/merl_nbrdf.zip data/probes/grace_probe.hdr \
         --materials black-obsidian -o sampling.csv -f sampling.svg
 
+    python benchmarks/shared_lobes.py factors data/merl_nbrdf.zip \\
+        --materials aluminium violet-acrylic polyurethane-foam -f factors.svg
+
 `lobes` fits one to five lobes, which the channels share or have each for itself, and renders a
 sphere in the light: a row is a material, with the bytes, the objective (mean of the channels'
 shares of the zero model's), seconds of processor time and PSNR in dB.
@@ -12,6 +15,8 @@ shares of the zero model's), seconds of processor time and PSNR in dB.
 `sampling` renders the sphere with few light directions a pixel, chosen by the cosine, by D, and
 half and half, several times with other random numbers: a row holds the root mean square error over
 pixels and repetitions as a share of the largest value of the reference, and as a PSNR in dB.
+
+`factors` draws D, F and G of materials, as Figure 5 of Peng et al. 2017 does.
 """
 
 import argparse
@@ -28,6 +33,7 @@ import pandas as pd
 from npfm.datasets import neural
 from npfm.evaluation.metrics import psnr
 from npfm.fitting.channels import as_table
+from npfm.fitting.factors.microfacet import G_THETA
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective, channel_samples, evaluate, fold
 from npfm.fitting.shared_lobes.fit import fit_lobes
@@ -158,17 +164,43 @@ def draw(rows: pd.DataFrame, path: str) -> None:
     figure.savefig(path, metadata={"Date": None} if path.endswith(".svg") else None)
 
 
+def draw_factors(archive: str, materials: list[str], path: str) -> None:
+    """D, F and G, a row for each material."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.5, 2.1 * len(materials)), layout="constrained")
+    rows = figure.subplots(len(materials), 3, squeeze=False)
+    for axes, name in zip(rows, materials, strict=True):
+        table = neural.load(archive, name)
+        p = shared_lobes.fit(table, Objective(), chosen(SolverSettings()), 1).parameters
+        for k, (D, G) in enumerate(zip(p["D"][0], p["G"][0], strict=True), start=1):
+            axes[0].semilogy(np.rad2deg(MERL.theta_h), D, lw=1, label=f"lobe {k}")
+            axes[2].semilogy(np.rad2deg(G_THETA), G, lw=1)
+        for F, color in zip(p["F"], ("#CC3311", "#228833", "#4477AA"), strict=True):
+            axes[1].semilogy(np.rad2deg(MERL.theta_d), F, lw=1, color=color)
+        axes[0].set_ylabel(name, fontsize=8)
+        for column, angle in zip(axes, ("D, theta_h", "F, theta_d", "G, theta"), strict=True):
+            column.set_title(angle, fontsize=8)
+            column.tick_params(labelsize=7)
+            column.grid(lw=0.3)
+    rows[0][0].legend(fontsize=7)
+    figure.savefig(path, metadata={"Date": None} if path.endswith(".svg") else None)
+
+
 def main() -> None:
-    """Make the rows of one of the two tables."""
+    """Make one of the two tables, or draw factors."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("what", choices=["lobes", "sampling"])
+    parser.add_argument("what", choices=["lobes", "sampling", "factors"])
     parser.add_argument("archive", help="merl_nbrdf.zip")
-    parser.add_argument("light", help="an angular map, such as grace_probe.hdr")
+    parser.add_argument("light", nargs="?", help="an angular map, such as grace_probe.hdr")
     parser.add_argument("--materials", nargs="+", required=True)
     parser.add_argument("--repeats", type=int, default=10, help="of sampling (default: 10)")
-    parser.add_argument("-o", "--output", required=True, help="CSV to write, row by row")
-    parser.add_argument("-f", "--figure", help="picture of sampling to write")
+    parser.add_argument("-o", "--output", help="CSV to write, row by row")
+    parser.add_argument("-f", "--figure", help="picture of sampling or factors to write")
     a = parser.parse_args()
+    if a.what == "factors":
+        draw_factors(a.archive, a.materials, a.figure)
+        return
     light = load_probe(a.light, "angular-map", LIGHT_HEIGHT)
     rows = []
     for name in a.materials:
