@@ -53,11 +53,13 @@ def facets(given: Given) -> Facets:
     Raises
     ------
     NpfmError
-        If the fit has no factor D.
+        If the fit has no factor D, or one for each of several lobes.
     """
     if "D" not in given.parameters:
         raise NpfmError("the fit has no factor D to take directions from; give one that has")
     D = np.asarray(given.parameters["D"], dtype=float).mean(axis=0)
+    if D.ndim > 1:
+        raise NpfmError("the fit has a D for each of its lobes; choose 'normal-distribution'")
     return Facets(D, np.sin(given.grid.theta_h_edges) ** 2, given.grid)
 
 

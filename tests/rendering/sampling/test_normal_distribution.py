@@ -41,3 +41,10 @@ def test_a_fit_without_a_d_is_refused():
     given = Given(given.environment, MERL, given.table, {"B": np.ones((3, 90, 90))})
     with pytest.raises(NpfmError, match="needs a fit with a D"):
         registry.make(["normal-distribution"], given)
+
+
+def test_strategies_of_one_d_refuse_several():
+    table = Table(np.zeros((3, *MERL.shape)), MERL)
+    given = Given(Environment(np.ones((4, 8, 3))), MERL, table, {"D": np.ones((1, 3, 90))})
+    with pytest.raises(NpfmError, match="choose 'normal-distribution'"):
+        registry.make(["quantiles"], given)
