@@ -11,9 +11,5 @@ SCENES = ("A", "C")
 #: A material that it shows to be much better, and two that hardly are (section 3.1).
 MUCH_BETTER = "silver-metallic-paint"
 HARDLY_BETTER = ("violet-acrylic", "nylon")
-#: Light directions a pixel that sampling by D needs, and the cosine's (section 2.5, Figure 2), for
-#: two materials; the first is not among those of MERL under that name.
-SAMPLES, COSINE_SAMPLES = (64, 128), 4096
-SAMPLED = ("red-specular-metallic", "black-obsidian")
 #: Materials whose factors it shows (Figure 5).
 FACTORS = ("aluminium", "violet-acrylic", "polyurethane-foam")
