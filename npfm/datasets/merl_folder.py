@@ -12,10 +12,10 @@ from npfm.storage.files import Kind, marked, replacing
 
 #: Waits before the second, third and fourth attempt at a download, in seconds.
 RETRY_WAITS = (1.0, 4.0, 10.0)
-#: Give up an attempt when the server is silent for so many seconds.
+#: Give up an attempt when the server is silent for this many seconds.
 TIMEOUT = 30.0
 #: Statuses 400 to 499 say that asking again is useless, except for timeout and "too many".
-PASSING_STATUSES = (408, 429)
+TRANSIENT_STATUSES = (408, 429)
 
 
 #: Bytes that are taken at a time.
@@ -159,7 +159,7 @@ def _attempt(url: str, target: Path) -> None:
         check_header(target)
     except requests.HTTPError as error:
         status = error.response.status_code
-        if 400 <= status < 500 and status not in PASSING_STATUSES:
+        if 400 <= status < 500 and status not in TRANSIENT_STATUSES:
             raise NpfmError(
                 f"{url}: the server answers {status} {error.response.reason}; "
                 "check the name of the material and the download address"

@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 
 
 class NoPSNR(ValueError):
-    """Pictures of one place whose values have no PSNR: the reference is black, or not finite."""
+    """Pictures without a PSNR: a foreground value is not finite, or the reference is black."""
 
 
 def psnr(picture: ArrayLike, reference: ArrayLike, foreground: ArrayLike) -> float:

@@ -29,7 +29,7 @@ from npfm.reflectance.table import Table
 NAME = "independent-g"
 COEFFICIENTS = ("rho_d", "rho_s")
 RANDOM = True
-SETTINGS = {"starts": "the first so many of the eight starts (default: 8)"}
+SETTINGS = {"starts": "use only the first N of the eight starts (default: 8)"}
 CLAMP = 1e-6  # smallest component of a factor (section 4.3, "Dynamic range clamping")
 FREEDOMS = 2  # scalings of the factors that leave the model as it is
 STARTS, RANDOM_STARTS = 8, 4  # section 5
@@ -71,11 +71,11 @@ class IndependentGProblem(MicrofacetProblem):
 def start_states(
     problem: IndependentGProblem, derive: Callable[[], State], seed: int
 ) -> Iterator[tuple[str, State]]:
-    """Eight starts by name, those of section 5 of the paper; each is made when it is its turn.
+    """Eight named starts after section 5 of the paper, each made when its turn comes.
 
-    Four random ones, all ones, the g-from-d result, two slices with G = 1, and, in place of the
-    published shifted-gamma fits, the same slices with the G that Smith's factor gives for the
-    first of them: like those fits, a physical guess from the slices, but one that any table has.
+    Four random ones, all ones, the g-from-d result, and two slices with G = 1. The eighth stands in
+    for the published shifted-gamma fits: the same slices, with the G that Smith's factor gives for
+    the first; like those fits a physical guess, but one that any table allows.
 
     Parameters
     ----------

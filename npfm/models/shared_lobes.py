@@ -30,7 +30,7 @@ SHARED = ("D", "G", "spline")
 RANDOM = True
 SETTINGS = {
     "lobes": "how many lobes, 1 to 5 (default: 3)",
-    "starts": "the first so many of the three starts (default: 3)",
+    "starts": "use only the first N of the three starts (default: 3)",
     "spline": "1 to read G along a Catmull-Rom spline, 0 linearly (default: 0)",
 }
 FREEDOMS = 7  # scalings of three D, of three G and of the F of a channel, which rho_s takes up
