@@ -107,13 +107,16 @@ def test_scaled_and_permuted_channels_scale_and_permute_the_fit(exact, case, mod
     order, factor = [2, 0, 1], 2.0**-20
     values = np.where(table.valid, factor * table.values, INVALID)[order]
     other = unrounded(Table(values, GRID), model, settings(method))
+    # Equal channels that are fitted together differ by rounding, each in its place.
+    rounding = 1e-12 if "G" in registry.declared(model).shared else 0.0
     for key, array in fit.parameters.items():
         expected = (factor if key in COEFFICIENTS else 1.0) * array
         if key not in registry.declared(model).shared:
             expected = expected[order]
-        np.testing.assert_array_equal(other.parameters[key], expected, err_msg=key)
+        np.testing.assert_allclose(other.parameters[key], expected, rtol=rounding, err_msg=key)
     for record, old in zip(other.records, (fit.records[k] for k in order), strict=True):
-        assert (record.status, record.objective) == (old.status, old.objective)
+        assert record.status == old.status
+        assert record.objective == pytest.approx(old.objective, rel=rounding, abs=0)
 
 
 @pytest.fixture(scope="module")
@@ -160,7 +163,9 @@ def test_another_unit_scales_the_fit(model, method):
         for x in (table, larger)
     )
     difference = np.abs(other / 3 - one).max(1) / one.max(1)
-    assert (difference < (1e-6 if method == "awls" else 1e-9)).all()
+    # Lobes of one material can be exchanged a little for next to nothing.
+    loose = method == "awls" or "lobes" in registry.declared(model).settings
+    assert (difference < (1e-6 if loose else 1e-9)).all()
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,8 @@ THINNING = 6
 #: Least share of each lobe in the mean of a channel while starts are compared. With 0, random
 #: starts lose lobes for good, and end at many times the objective.
 ALIVE = 0.1
+#: Least share in the end, which asks for no derivative: a fit is no worse than a constant.
+FAINTEST = 1e-12
 #: Tolerances, in the solver's, of the fit of one lobe, of the comparison of starts and of the end:
 #: lobes of one material can be exchanged a little for hundreds of iterations, for next to nothing.
 SINGLE, COMPARED, FINAL = 1000.0, 30.0, 3.0
@@ -60,6 +62,7 @@ def fit_lobes(
     best, *others = traces
     last = {best.start: problem.unpack(rough.pack(state))}
     state, (trace,) = solve(problem, last, ease=FINAL)
+    state = problem.with_coefficients(state, FAINTEST)
     return by_width(state, samples[0].grid.theta_h), [_joined(best, trace), *others]
 
 

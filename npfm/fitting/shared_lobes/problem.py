@@ -186,15 +186,19 @@ class SharedLobesProblem:
         matrix[1:, 1:] = np.sum(B[:, :, None] * B[:, None, :] * wkk, axis=0)
         return matrix, np.append(self._wr[channel], np.sum(B * wrk, axis=0))
 
-    def with_coefficients(self, state: State) -> State:
-        """Return the state with its best rho_d >= 0 and rho_s, no lobe being quite without."""
+    def with_coefficients(self, state: State, floor: float | None = None) -> State:
+        """Return the state with its best rho_d >= 0 and rho_s, no lobe being quite without.
+
+        `floor` stands in for that of the problem, if it is given.
+        """
+        floor = self.floor if floor is None else floor
         found = []
         for channel in range(len(state.F)):
             matrix, right = self._equations(state, channel)
             lower = np.zeros(right.size)
             reached = matrix[0] > 0
             reached[0] = False
-            lower[reached] = self.floor * right[0] / matrix[0, reached]
+            lower[reached] = floor * right[0] / matrix[0, reached]
             found.append(bounded_least_squares(matrix, right, lower))
         rho_d, *rho_s = np.array(found).T.copy()
         return replace(state, rho_d=rho_d, rho_s=np.stack(rho_s, axis=1))
