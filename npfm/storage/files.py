@@ -64,7 +64,8 @@ def check_replaceable(path: str | Path, *kinds: Kind) -> None:
     Raises
     ------
     NpfmError
-        If the name has not the suffix of any kind, or something is there that is of none of them.
+        If the name has not the suffix of any kind or cannot be written, or something is there
+        that is of none of them.
     """
     path = Path(path)
     named = [kind for kind in kinds if kind.suffix in ("", path.suffix)]
@@ -76,6 +77,7 @@ def check_replaceable(path: str | Path, *kinds: Kind) -> None:
         )
     if path.name in ("", ".."):
         raise NpfmError(f"{path}: no name for {named[0].name}; give that of a new folder")
+    _check_way(path)
     above = next(folder for folder in path.absolute().parents if os.path.lexists(folder))
     if not above.is_dir():
         raise NpfmError(f"{path}: {above} is a file and no folder; give another name")
@@ -85,6 +87,35 @@ def check_replaceable(path: str | Path, *kinds: Kind) -> None:
             f"{path}: {found} is there that is not {named[0].name} written by npfm; "
             "remove it or give another name"
         )
+    _check_writable(above, path)
+
+
+def _check_way(path: Path) -> None:
+    """Refuse a way that says nothing of what is at its end, and a name that is no text."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError as error:
+        raise NpfmError(f"{str(path)!a}: not a name in UTF-8; give another name") from error
+    # What is at missing/../there is seen only once `missing` has been made.
+    if ".." in path.parts and not path.parent.is_dir():
+        raise NpfmError(f"{path}: '..' after a folder that is not there; leave both out")
+
+
+def _check_writable(folder: Path, path: Path) -> None:
+    """Find out by trying, which alone answers for limits, permissions and file systems."""
+    trial = folder / _temporary(path).name
+    try:
+        trial.touch(exist_ok=False)
+        trial.unlink()
+    except OSError as error:
+        raise NpfmError(
+            f"{path}: cannot be written in {folder} ({error.strerror}); give another name"
+        ) from error
+
+
+def _temporary(path: Path) -> Path:
+    """Return a name in the same folder, of the same suffix, that nobody else has."""
+    return path.with_name(f".{path.stem}.{secrets.token_hex(4)}{path.suffix}")
 
 
 @contextmanager
@@ -112,7 +143,7 @@ def replacing(path: str | Path, kind: Kind) -> Iterator[Path]:
     path = Path(path)
     check_replaceable(path, kind)
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.stem}.{secrets.token_hex(4)}{path.suffix}")
+    temporary = _temporary(path)
     try:
         yield temporary
         _put(temporary, path)

@@ -143,6 +143,33 @@ def test_nothing_of_anybody_else_is_touched(users, monkeypatch, name, kind, mess
         assert tree(users) == before
 
 
+def test_a_way_through_a_folder_that_is_not_there_hides_nobodys_file(users, monkeypatch):
+    monkeypatch.chdir(users)
+    before = tree(users)
+    with pytest.raises(NpfmError, match=r"'\.\.' after a folder that is not there"):
+        check_replaceable("missing/../notes.txt", FILE)
+    assert tree(users) == before
+    check_replaceable("folder.txt/../new.txt", FILE)
+
+
+@pytest.mark.parametrize("name", ["x" * 251 + ".txt", "new/" + "x" * 251 + ".txt"])
+def test_a_name_that_is_too_long_is_refused_before_any_work(tmp_path, name):
+    with pytest.raises(NpfmError, match="File name too long"):
+        check_replaceable(tmp_path / name, FILE)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_place_where_nothing_can_be_written_is_refused_before_any_work():
+    with pytest.raises(NpfmError, match=r"x\.txt: cannot be written in /proc"):
+        check_replaceable("/proc/x.txt", FILE)
+
+
+def test_a_name_that_is_no_text_is_refused(tmp_path):
+    with pytest.raises(NpfmError, match="not a name in UTF-8") as caught:
+        check_replaceable(tmp_path / os.fsdecode(b"\xff.txt"), FILE)
+    str(caught.value).encode()
+
+
 @pytest.mark.parametrize("name", [".", "/", "./", "..", "a/.."])
 def test_a_folder_without_a_name_of_its_own_is_refused(tmp_path, monkeypatch, name):
     (tmp_path / "a").mkdir()
