@@ -35,7 +35,8 @@ def suggest(name: str, available: Iterable[str]) -> str:
         The nearest names if there are any near, else all of them if they are few.
     """
     available = sorted(set(available))
-    near = get_close_matches(name.lower(), available, n=3, cutoff=0.5)
+    # A key of YAML may be a number.
+    near = get_close_matches(str(name).lower(), available, n=3, cutoff=0.5)
     if near:
         return f"did you mean {' or '.join(near)}?"
     if len(available) <= FEW:

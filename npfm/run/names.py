@@ -27,7 +27,9 @@ def check_names(names: Iterable[Any], what: str, rename: str = "it") -> None:
     """
     for name in names:
         if not is_name(name):
-            raise NpfmError(f"config: the {what} {name!r}: {NAMES_ARE}; rename {rename}")
+            # YAML reads 1, yes and 2020-01-01 as something else than a text.
+            hint = f"rename {rename}" if isinstance(name, str) else f"write '{name}' in quotes"
+            raise NpfmError(f"config: the {what} {name!r}: {NAMES_ARE}; {hint}")
 
 
 def any_of(names: Iterable[str]) -> str:

@@ -1,5 +1,6 @@
 """Whether a configuration has the keys and the kinds of values that the schema names."""
 
+import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -51,6 +52,15 @@ def _moved(config: Mapping[str, Any]) -> Iterator[str]:
             yield f"{where}/starts"
 
 
+def _not_finite(value: Any, where: str = "") -> Iterator[str]:
+    """Places of NaN and infinities, which no bound of the schema keeps out: NaN < 0 is false."""
+    if isinstance(value, (Mapping, list)):
+        for key, inner in value.items() if isinstance(value, Mapping) else enumerate(value):
+            yield from _not_finite(inner, f"{where}/{key}" if where else f"{key}")
+    elif isinstance(value, float) and not math.isfinite(value):
+        yield f"{where}: {value} is not a finite number"
+
+
 def check_schema(config: Mapping[str, Any]) -> None:
     """Check keys and kinds of values.
 
@@ -61,6 +71,8 @@ def check_schema(config: Mapping[str, Any]) -> None:
     """
     for key in _moved(config):
         raise NpfmError(f"config: {key}: {MOVED[key]}")
+    for place in _not_finite(config):
+        raise NpfmError(f"config: {place}; see docs/configuration.md")
     schema = yaml.safe_load(SCHEMA.read_text())
     errors = jsonschema.Draft202012Validator(schema).iter_errors(config)
     error = jsonschema.exceptions.best_match(errors)

@@ -1,4 +1,5 @@
 import copy
+import math
 import tomllib
 import zipfile
 from pathlib import Path
@@ -172,7 +173,16 @@ def test_an_absent_or_bad_published_file_is_told(tmp_path):
         ({"lights": {"x y": {"generate": "grove"}}}, r"light 'x y': a name is .*; rename it$"),
         ({"scenes": {"A;B": DEFAULT["scenes"]["A"]}}, r"scene 'A;B': a name is .*; rename it$"),
         ({"scenes": {"all": DEFAULT["scenes"]["A"]}}, r"scenes/all: .*; rename it$"),
-        ({"scenes": {1: DEFAULT["scenes"]["A"]}}, r"scene 1: a name is .*; rename it$"),
+        ({"scenes": {1: DEFAULT["scenes"]["A"]}}, r"scene 1: a name is .*; write '1' in quotes$"),
+        ({"lights": {"x": {1: 2}}}, r"lights/x: unknown key '1'"),
+        ({"models": {1: {}}}, r"models: unknown model '1'"),
+        ({"solver": {"tolerance": math.nan}}, r"solver/tolerance: nan is not a finite number"),
+        ({"objective": {"max_angle": math.nan}}, r"objective/max_angle: nan is not a finite"),
+        ({"scenes": {"A": {"exposure": math.inf}}}, r"scenes/A/exposure: inf is not a finite"),
+        (
+            {"variants": [{"name": "n", "model": "naive", "solver": {"tolerance": math.nan}}]},
+            r"variants/0/solver/tolerance: nan is not a finite number",
+        ),
         ({"name": "../x"}, r"run '../x': a name is .*; rename it$"),
         ({"name": "n" * 101}, r"run 'n*': a name is of A-Z"),
         ({"variants": [{"name": "$(x)", "model": "naive"}]}, r"variant '\$\(x\)': a name is"),
