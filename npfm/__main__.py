@@ -101,6 +101,9 @@ def main(arguments: list[str] | None = None) -> int:
         named = [verb for verb in arguments[:1] if verb in VERBS]
         print(f"{' '.join(['npfm', *named])}: {error}", file=sys.stderr)
         return 1
+    except MemoryError as error:
+        print(f"npfm {parsed.verb}: too little memory; ask for less ({error})", file=sys.stderr)
+        return 1
     if written := outputs.written(parsed):
         names = ", ".join(map(str, written))
         print(f"npfm {parsed.verb}: wrote {names}{f': {said}' if said else ''}", file=sys.stderr)

@@ -14,6 +14,7 @@ from npfm.rendering import assembly, effects, scenes, transport
 from npfm.rendering.lights import environment
 from npfm.rendering.sampling import registry
 from npfm.rendering.sampling.strategy import Given
+from npfm.storage.bounds import check_size
 from npfm.storage.files import Kind, marked, replacing
 
 #: What a digest covers beside this file (`npfm.run.provenance`).
@@ -89,6 +90,7 @@ def run(arguments: argparse.Namespace) -> str:
     for warning in scene.warnings:
         print(f"npfm scene: warning: {warning}", file=sys.stderr)
     registry.check_scene(arguments.sampling)
+    check_size(arguments.output, arguments.resolution, arguments.resolution)
     light = environment.read(arguments.light)
     counts = Counter(rays=0)
     # CPU time: one thread builds, and other jobs beside it do not make it cost more.

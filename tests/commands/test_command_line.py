@@ -107,6 +107,15 @@ SUFFIXES = {"fit": ".npz", "material": ".binary", "tabulate": ".binary", "scene"
         ("light --generate grove --height 9999999 -o {out}", "19999998 x 9999999 pixels"),
         ("light {folder}/grove.exr -o {out}", "give --layout angular-map or lat-long"),
         ("scene --light {folder}/grove.exr --objects sphere --samples 0 -o {out}", "--samples"),
+        (
+            "scene --light {folder}/grove.exr --objects sphere --resolution 999999999 -o {out}",
+            "999999999 x 999999999 pixels",
+        ),
+        (
+            "scene --light {folder}/grove.exr --objects sphere --resolution 4"
+            " --samples 999999999999999 -o {out}",
+            "too little memory; ask for less",
+        ),
         ("render {folder}/scene {folder}/chalk.npz --gamma 0 -o {out}", "--gamma: '0'"),
         ("tabulate {folder}/chalk.binary -o {out}", "cannot be read as a fit"),
         ("material --synthetic chalkk -o {out}", "did you mean chalk"),
