@@ -6,6 +6,7 @@ from pathlib import Path
 
 from npfm.commands.numbers import whole
 from npfm.commands.outputs import output
+from npfm.declarations import NAMES_ARE, is_name
 from npfm.errors import NpfmError
 from npfm.reflectance.merl import BINARY, read_binary, write_binary
 from npfm.storage.files import Kind, replacing
@@ -14,6 +15,7 @@ from npfm.storage.files import Kind, replacing
 CODE = (
     "npfm.commands.numbers",
     "npfm.commands.outputs",
+    "npfm.declarations",
     "npfm.reflectance.merl",
 )
 #: And what it covers for some of the kinds.
@@ -78,6 +80,8 @@ def run(arguments: argparse.Namespace) -> None:
 def _link(arguments: argparse.Namespace) -> None:
     from npfm.datasets import merl_folder
 
+    if not is_name(arguments.merl):
+        raise NpfmError(f"--merl {arguments.merl!r}: {NAMES_ARE}; rename the file")
     folder = Path(arguments.source)
     if arguments.url and not (folder / f"{arguments.merl}.binary").exists():
         merl_folder.download(arguments.url, arguments.merl, folder)

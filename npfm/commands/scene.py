@@ -44,7 +44,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--light", required=True, help="lat-long EXR, made by npfm light")
     parser.add_argument("--objects", nargs="+", required=True, help=" and ".join(scenes.OBJECTS))
     parser.add_argument("--effects", nargs="+", default=[], help=" and ".join(effects.EFFECTS))
-    parser.add_argument("--mesh", type=Path, help="PLY file of the figure (default: our own shape)")
+    parser.add_argument(
+        "--mesh", type=Path, help="mesh of the figure: PLY, OBJ, STL, glTF (default: ours)"
+    )
     parser.add_argument(
         "--resolution",
         type=whole(1),

@@ -158,13 +158,15 @@ def _attempt(url: str, target: Path) -> None:
                     raise _Refused(f"more than the {FILE_BYTES} bytes of a MERL file arrive")
         check_header(target)
     except requests.HTTPError as error:
-        status = error.response.status_code
+        # An answer is what this error is about.
+        assert error.response is not None
+        status, reason = error.response.status_code, error.response.reason
         if 400 <= status < 500 and status not in TRANSIENT_STATUSES:
             raise NpfmError(
-                f"{url}: the server answers {status} {error.response.reason}; "
+                f"{url}: the server answers {status} {reason}; "
                 "check the name of the material and the download address"
             ) from None
-        raise _FailedAttempt(f"{status} {error.response.reason}") from None
+        raise _FailedAttempt(f"{status} {reason}") from None
     except requests.RequestException as error:
         raise _FailedAttempt(str(error)) from None
     except _Refused as error:

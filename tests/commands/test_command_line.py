@@ -91,6 +91,7 @@ SUFFIXES = {"fit": ".npz", "material": ".binary", "tabulate": ".binary", "scene"
     ("call", "named"),
     [
         ("fit {folder}/none.binary --model naive -o {out}", "none.binary"),
+        ("material --merl ../none --from {folder} -o {out}.binary", "rename the file"),
         ("fit {folder}/short.binary --model naive -o {out}", "short.binary"),
         ("fit {folder}/shape.binary --model naive -o {out}", "90 x 90 x 180"),
         ("fit {folder}/nan.binary --model naive -o {out}", "NaN"),
