@@ -5,20 +5,9 @@ stays as it is. rho = rho_s D(theta_h; alpha) F(theta_d) G / (4 cos(theta_i) cos
 Smith's correlated G.
 """
 
-from dataclasses import replace
-
-import numpy as np
-from numpy.typing import NDArray
-
-from npfm.fitting.fits import Fit
-from npfm.fitting.objective import Objective
-from npfm.fitting.power_iterations import fits
-from npfm.fitting.power_iterations.fits import Form, Parameters
-from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance.half_difference import HalfDifference
+from npfm.fitting.power_iterations.fits import Microfacets, formula
 from npfm.reflectance.microsurfaces import beckmann, beckmann_area
-from npfm.reflectance.slopes import ELEVATIONS, beckmann_roughness
-from npfm.reflectance.table import Table
+from npfm.reflectance.slopes import beckmann_roughness
 
 NAME = "beckmann"
 COEFFICIENTS = ("rho_s",)
@@ -39,43 +28,8 @@ SETTINGS = {
     },
 }
 
-
-def _convert(D: NDArray, grid: HalfDifference) -> Parameters:
-    return {"alpha": np.array([beckmann_roughness(D, grid)])}
-
-
-def _surface(p: Parameters, grid: HalfDifference) -> tuple[NDArray, NDArray]:
-    alpha = float(p["alpha"][0])
-    return beckmann(np.cos(grid.theta_h), alpha), beckmann_area(np.cos(ELEVATIONS), alpha)
-
-
-FORM = Form(_convert, _surface)
-
-
-def parameter_count(grid: HalfDifference) -> int:
-    """Number of values stored for a material."""
-    return fits.parameter_count(FORM, grid)
-
-
-def fit(
-    table: Table,
-    objective: Objective,
-    solve: Solver,
-    seed: int,
-    *,
-    kernel: str = "consistent",
-    fresnel: str = "least-squares",
-) -> Fit:
-    """Fit the model; `solve` and `seed` are not needed. See `power_iterations.fits.fit`."""
-    return fits.fit(NAME, FORM, table, objective, kernel, fresnel)
-
-
-def tabulate(fit: Fit) -> Table:
-    """Values of a fit at every cell of its grid, in 1/sr."""
-    return fits.tabulate(FORM, fit)
-
-
-def rougher(fit: Fit, factor: float) -> Fit:
-    """Return the fit with slopes that are so many times as steep, all else as it is."""
-    alpha = fit.parameters["alpha"] * fit.parameters["alpha"].dtype.type(factor)
-    return replace(fit, parameters=fit.parameters | {"alpha": alpha}, records=())
+MODEL = Microfacets(NAME, formula(beckmann_roughness, beckmann, beckmann_area))
+fit = MODEL.fit
+tabulate = MODEL.tabulate
+parameter_count = MODEL.parameter_count
+rougher = MODEL.rougher

@@ -5,16 +5,7 @@ rho = rho_s D(theta_h) F(theta_d) G / (4 cos(theta_i) cos(theta_o)) with Smith's
 value for a D that is normalised, are of each. There is no diffuse part.
 """
 
-from dataclasses import replace
-
-from npfm.fitting.fits import Fit
-from npfm.fitting.objective import Objective
-from npfm.fitting.power_iterations import fits
-from npfm.fitting.power_iterations.fits import TABULATED
-from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance import slopes
-from npfm.reflectance.half_difference import HalfDifference
-from npfm.reflectance.table import Table
+from npfm.fitting.power_iterations.fits import TABULATED, Microfacets
 
 NAME = "power-iteration"
 COEFFICIENTS = ("rho_s",)
@@ -33,32 +24,8 @@ SETTINGS = {
     },
 }
 
-
-def parameter_count(grid: HalfDifference) -> int:
-    """Number of values stored for a material."""
-    return fits.parameter_count(TABULATED, grid)
-
-
-def fit(
-    table: Table,
-    objective: Objective,
-    solve: Solver,
-    seed: int,
-    *,
-    kernel: str = "consistent",
-    fresnel: str = "least-squares",
-) -> Fit:
-    """Fit the model; `solve` and `seed` are not needed. See `power_iterations.fits.fit`."""
-    return fits.fit(NAME, TABULATED, table, objective, kernel, fresnel)
-
-
-def tabulate(fit: Fit) -> Table:
-    """Values of a fit at every cell of its grid, in 1/sr."""
-    return fits.tabulate(TABULATED, fit)
-
-
-def rougher(fit: Fit, factor: float) -> Fit:
-    """Return the fit with slopes that are so many times as steep, all else as it is."""
-    D = slopes.rougher(fit.parameters["D"][0], fit.grid, factor)
-    D = (D / D.max()).astype(fit.parameters["D"].dtype)
-    return replace(fit, parameters=fit.parameters | {"D": D[None]}, records=())
+MODEL = Microfacets(NAME, TABULATED)
+fit = MODEL.fit
+tabulate = MODEL.tabulate
+parameter_count = MODEL.parameter_count
+rougher = MODEL.rougher

@@ -21,7 +21,7 @@ def fitted(model, table, **settings):
 
 def formula_table(model, alpha, head_on=(0.04, 0.5, 0.9)):
     """A table of a formula, with Schlick's Fresnel factor."""
-    D, area = model.FORM.surface({"alpha": np.array([alpha])}, MERL)
+    D, area = model.MODEL.form.surface({"alpha": np.array([alpha])}, MERL)
     unit = mirrors(D, area, MERL)
     whole = np.concatenate([unit, unit[..., ::-1]], axis=-1)
     rise = (1 - np.cos(MERL.theta_d[:, None])) ** 5
