@@ -12,8 +12,8 @@ from npfm.commands.sources import table
 from npfm.errors import NpfmError
 from npfm.evaluation import accuracy_cost as costs
 from npfm.evaluation import tables
-from npfm.reflectance.merl import read_binary
 from npfm.reflectance.table import Table
+from npfm.reflectance.table_files import read_table
 from npfm.rendering import transport
 from npfm.storage.names import distinct
 
@@ -43,14 +43,14 @@ SOURCES: dict[str, dict[str, dict[str, Any]]] = {
         "--materials": {"nargs": "+", "help": "names of the fits"},
     },
     "fits": {
-        "table": {"help": "MERL .binary file of the material"},
+        "table": {"help": "MERL .binary or UTIA .bin file of the material"},
         "--fits": {"nargs": "+", "metavar": "STAGE:SETTING=FOLDER"},
         "--scenes": {"nargs": "+", "help": "folders made by npfm scene"},
     },
     "sampling": {
         "--reference": {"help": "folder of a scene of many samples"},
         "--builds": {"nargs": "+", "help": "folders of others, each with its --record beside it"},
-        "--tables": {"nargs": "+", "help": "MERL .binary files"},
+        "--tables": {"nargs": "+", "help": "MERL .binary or UTIA .bin files"},
         "--fits": {"nargs": "+", "help": "a fit (.npz) of each table"},
     },
     "table": {
@@ -119,5 +119,5 @@ def _fits(arguments: argparse.Namespace) -> pd.DataFrame:
     }
     names = distinct(Path(path).name for path in arguments.scenes)
     scenes = dict(zip(names, map(transport.load, arguments.scenes), strict=True))
-    made = costs.fits(read_binary(arguments.table), settings, scenes, table)
+    made = costs.fits(read_table(arguments.table), settings, scenes, table)
     return made.assign(material=material)[list(costs.FITS)]

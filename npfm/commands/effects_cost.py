@@ -46,7 +46,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="EFFECT=FOLDER",
         help="the scene with an effect on that it is without, or off that it has",
     )
-    compare.add_argument("--tables", nargs="+", required=True, help="MERL .binary files")
+    compare.add_argument(
+        "--tables", nargs="+", required=True, help="MERL .binary or UTIA .bin files"
+    )
     compare.add_argument("--fits", nargs="+", required=True, help="a fit (.npz) of each table")
     compare.add_argument(
         "--pictures",

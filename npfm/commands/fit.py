@@ -16,7 +16,7 @@ from npfm.fitting.objective import Objective
 from npfm.fitting.registry import Model
 from npfm.fitting.solvers.choice import SOLVERS, chosen
 from npfm.fitting.solvers.problem import SolverSettings
-from npfm.reflectance.merl import read_binary
+from npfm.reflectance.table_files import read_table
 
 #: What a digest covers beside this file (`npfm.run.provenance`).
 CODE = (
@@ -26,7 +26,7 @@ CODE = (
     "npfm.fitting.solvers.choice",
     "npfm.fitting.fits",
     "npfm.fitting.objective",
-    "npfm.reflectance.merl",
+    "npfm.reflectance.table_files",
 )
 EXAMPLE = """\
 example:
@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     objective, solver = Objective(), SolverSettings()
     parser.epilog = EXAMPLE
-    parser.add_argument("table", help="MERL .binary file to fit")
+    parser.add_argument("table", help="MERL .binary or UTIA .bin file to fit")
     parser.add_argument("--model", required=True, help=f"one of {', '.join(registry.models())}")
     parser.add_argument(
         "-o",
@@ -99,8 +99,9 @@ def run(arguments: argparse.Namespace) -> str:
     objective = Objective(not arguments.no_compressive, arguments.max_angle)
     with tqdm(desc=f"fit {arguments.model}", unit="start", disable=None) as progress:
         solve = chosen(settings, after_start=progress.update) if model.solver else _none
-        table = read_binary(arguments.table)
+        table = read_table(arguments.table)
         try:
+            registry.check_grid(arguments.model, table.grid.kind)
             fit = model.load().fit(table, objective, solve, arguments.seed, **own)
         except NpfmError as error:
             raise NpfmError(f"{arguments.table}: {error}") from error

@@ -8,8 +8,8 @@ import numpy as np
 from npfm.commands.numbers import positive
 from npfm.commands.outputs import output
 from npfm.commands.sources import table
-from npfm.reflectance.merl import read_binary
 from npfm.reflectance.table import INVALID, Table
+from npfm.reflectance.table_files import read_table
 from npfm.rendering import transport
 from npfm.storage import pictures
 
@@ -36,8 +36,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.epilog = EXAMPLE
     parser.add_argument("scene", help="folder made by npfm scene")
-    parser.add_argument("source", help="MERL .binary file, or fit (.npz)")
-    parser.add_argument("--measured", help="MERL .binary file that the fit was made from")
+    parser.add_argument("source", help="MERL .binary or UTIA .bin file, or fit (.npz)")
+    parser.add_argument("--measured", help="file that the fit was made from")
     parser.add_argument(
         "--exposure", type=positive, default=0.02, help="of the PNG, factor (default: %(default)s)"
     )
@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Render."""
     material = table(arguments.source)
     if arguments.measured:
-        measured = read_binary(arguments.measured)
+        measured = read_table(arguments.measured)
         material = Table(np.where(measured.valid, material.values, INVALID), material.grid)
     picture = transport.render(transport.load(arguments.scene), material)
     pictures.write_exr(arguments.output, picture)

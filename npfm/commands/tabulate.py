@@ -4,13 +4,13 @@ import argparse
 
 from npfm.commands.outputs import output
 from npfm.fitting.registry import tabulated
-from npfm.reflectance.merl import BINARY, write_binary
+from npfm.reflectance.table_files import KINDS, write_table
 
 EXAMPLE = """\
 example:
   python -m npfm tabulate chrome.npz -o chrome-fitted.binary
 writes the fit's values at all cells of the MERL grid, a BRDF in 1/sr in MERL's own scaling, for any
-program that reads MERL files.
+program that reads MERL files; and a fit of a UTIA .bin file as such, a BRDF in 1/sr as it is.
 """
 
 
@@ -19,10 +19,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EXAMPLE
     parser.add_argument("fit", help="fit (.npz)")
     parser.add_argument(
-        "-o", "--output", type=output(BINARY), required=True, help="MERL .binary file to write"
+        "-o",
+        "--output",
+        type=output(*KINDS),
+        required=True,
+        help="MERL .binary file to write, or UTIA .bin file",
     )
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Tabulate the fit."""
-    write_binary(arguments.output, tabulated(arguments.fit))
+    write_table(arguments.output, tabulated(arguments.fit))

@@ -33,7 +33,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.epilog = EXAMPLE
     parser.add_argument("scene", help="folder made by npfm scene")
-    parser.add_argument("sources", nargs="+", help="MERL .binary files, or fits (.npz)")
+    parser.add_argument(
+        "sources", nargs="+", help="MERL .binary or UTIA .bin files, or fits (.npz)"
+    )
     parser.add_argument("--texture", help="picture whose brightness counts, wrapped around y")
     parser.add_argument("--objects", nargs="+", required=True, help="as the scene has them")
     parser.add_argument("--mesh", type=Path, help="PLY file of the figure, if the scene has one")

@@ -109,10 +109,11 @@ def fits(
         If a record is missing or is none.
     """
     paths = list(dict.fromkeys(settings.values()))
-    values = np.empty((3, measured.grid.size, 1 + len(paths)), dtype=np.float32)
+    values = np.empty((3, measured.grid.column_count, 1 + len(paths)), dtype=np.float32)
     for k, path in enumerate([None, *paths]):
         table = tabulate(path) if path else measured
-        values[..., k] = np.where(measured.valid, table.values, 0.0).reshape(3, -1)
+        shown = np.where(measured.valid, table.values, 0.0)
+        values[..., k] = measured.grid.column_values(shown)
     quality = {}
     for scene, matrix in scenes.items():
         reference, *compared = pictures(matrix, values)
@@ -132,8 +133,8 @@ def pictures(matrix: Transport, values: NDArray[np.float32]) -> NDArray[np.float
     Parameters
     ----------
     matrix : Transport
-    values : ndarray of float32, shape (3, cells, tables)
-        BRDF in 1/sr; negative values reflect nothing.
+    values : ndarray of float32, shape (3, columns, tables)
+        BRDF in 1/sr of the grid's columns; negative values reflect nothing.
 
     Returns
     -------
@@ -170,7 +171,7 @@ def sampling(
         the measurement's, and reference_db, the same in the reference.
     """
     shown = [table for pair in materials.values() for table in pair]
-    values = np.stack([t.values.reshape(3, -1).astype(np.float32) for t in shown], axis=-1)
+    values = np.stack([t.grid.column_values(t.values).astype(np.float32) for t in shown], axis=-1)
     exact = transport.load(reference)
     foreground, truth = exact.foreground, pictures(exact, values)
     rows = []

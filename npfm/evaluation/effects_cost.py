@@ -67,10 +67,11 @@ def show(scene: str, materials: Sequence[tuple[Table, Table]]) -> Shown:
     NpfmError
         If the scene or its record cannot be read.
     """
-    tables_ = [m.values for m, _ in materials] + [
+    shown = [m.values for m, _ in materials] + [
         np.where(m.valid, fit.values, 0.0) for m, fit in materials
     ]
-    values = np.stack([v.reshape(3, -1).astype(np.float32) for v in tables_], axis=-1)
+    grid = materials[0][0].grid
+    values = np.stack([grid.column_values(v).astype(np.float32) for v in shown], axis=-1)
     matrix = transport.load(scene)
     return Shown(_record(scene), matrix, *np.split(pictures(matrix, values), 2))
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.reflectance import grids
+from npfm.reflectance.directional import Directional
 from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.table import CHANNELS, G, Table
 from npfm.storage.archives import read_arrays
@@ -25,6 +26,9 @@ RECORD = Kind("a record of a fit", ".json", marked(b'"model"', b'"parameters"', 
 ABOUT = ("format", "model", "units", "grid")
 #: A fit of more bytes than the largest table, MERL's in double precision, is none.
 MOST_BYTES = 8 * 3 * MERL.size
+#: No table has more cells, and one that has would not fit into memory: of half-difference grids
+#: MERL's is the largest, and of directional ones a step of 5 degrees is as fine as is measured.
+MOST_CELLS = {HalfDifference.kind: MERL.size, Directional.kind: (18 * 72) ** 2}
 AGAIN = "make it again with npfm fit"
 
 
@@ -231,9 +235,8 @@ def _grid(path: str | Path, kind: str, bins: NDArray) -> grids.Grid:
         grid = grids.named(kind, bins.tolist())
     except NpfmError as error:
         raise NpfmError(f"{path}: {error}; {AGAIN}") from error
-    # No table has more cells than MERL's, and one that has would not fit into memory.
     odd = isinstance(grid, HalfDifference) and grid.phi_d_bins % 2
-    if grid.size > MERL.size or odd:
+    if grid.size > MOST_CELLS.get(kind, MERL.size) or odd:
         raise NpfmError(f"{path}: no table is on a grid of {bins} bins; {AGAIN}")
     return grid
 

@@ -18,6 +18,7 @@ from typing import Any
 from npfm.declarations import named_files
 from npfm.errors import NpfmError, suggest
 from npfm.fitting import fits
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 FOLDER = Path(__file__).parents[1] / "models"
@@ -56,6 +57,8 @@ class Model:
         Whether `fit` makes parameters out of those of another model, and fits none to the table.
     scale_free : bool
         Whether a brighter table has larger coefficients and all else the same.
+    grids : tuple of str
+        Kinds of the grids whose tables it is for.
     published : mapping
         For a model that is not fitted but read: its file, as
         `npfm.datasets.parameter_files.FitFile`.
@@ -73,6 +76,7 @@ class Model:
     shared: tuple[str, ...] = ()
     converted: bool = False
     scale_free: bool = True
+    grids: tuple[str, ...] = (HalfDifference.kind,)
     published: Mapping[str, Any] = field(default_factory=dict)
 
     def load(self) -> ModuleType:
@@ -124,6 +128,20 @@ def declared(name: str) -> Model:
     return models()[name]
 
 
+def check_grid(name: str, kind: str) -> None:
+    """Refuse a model that is not for tables on a kind of grid.
+
+    Raises
+    ------
+    NpfmError
+        If there is no model of that name, or it is not for these.
+    """
+    if kind not in declared(name).grids:
+        others = [other for other, model in models().items() if kind in model.grids]
+        hint = f"choose from {', '.join(others)}" if others else "no model is"
+        raise NpfmError(f"'{name}' is not for tables on a {kind} grid; {hint}")
+
+
 def model(name: str) -> ModuleType:
     """Return the module of the model of that name: `fit`, `tabulate` and `parameter_count`.
 
@@ -145,6 +163,7 @@ def tabulated(path: str | Path) -> Table:
     """
     fit = fits.load(path)
     try:
+        check_grid(fit.model, fit.grid.kind)
         module = model(fit.model)
     except NpfmError as error:
         raise NpfmError(f"{path}: {error}") from error

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError, suggest
+from npfm.reflectance.directional import Directional
 from npfm.reflectance.half_difference import HalfDifference
 
 Array = NDArray[np.float64]
@@ -60,12 +61,12 @@ class Grid(Protocol):
     def cells(
         self, light: Array, view: Array, point: NDArray[np.intp]
     ) -> tuple[NDArray[np.int32], Array | None]:
-        """Cells of pairs of directions above the horizon, from components along the axes.
+        """Cells of a table that give the BRDF of pairs of directions above the horizon.
 
         Parameters
         ----------
         light : ndarray, shape (n, 3)
-            Components of light directions.
+            Components of light directions along the axes.
         view : ndarray, shape (p, 3)
             Components of the view directions of the points.
         point : ndarray of int, shape (n,)
@@ -76,12 +77,35 @@ class Grid(Protocol):
         index : ndarray of int32, shape (n,) or (n, k)
             Indices into a flattened table.
         share : ndarray, shape (n, k), or None
-            Weights of the interpolation between k cells; None where one cell has it all.
+            Weights of the interpolation between k cells, or of an extrapolation, which are negative
+            in part: what they give is 0 where it would be below. None where one cell has it all.
+        """
+
+    @property
+    def column_count(self) -> int:
+        """Number of columns of a transport matrix."""
+
+    def columns(
+        self, light: Array, view: Array, point: NDArray[np.intp]
+    ) -> tuple[NDArray[np.int32], Array | None]:
+        """Columns of a transport matrix that pairs of directions fall into, as `cells`.
+
+        They are the cells of a table, but for grids that extrapolate: a matrix is linear, so that
+        what is beyond their tables has columns of its own, and no weight is negative.
+        """
+
+    def column_values(self, values: Array) -> Array:
+        """What a matrix is multiplied by: BRDFs (3, column_count) of a table (3,) + shape.
+
+        None is below 0: what was not measured reflects nothing.
         """
 
 
 #: What makes a grid of a kind from its shape.
-KINDS: dict[str, Callable[..., Grid]] = {HalfDifference.kind: HalfDifference}
+KINDS: dict[str, Callable[..., Grid]] = {
+    Directional.kind: Directional,
+    HalfDifference.kind: HalfDifference,
+}
 
 
 def named(kind: str, shape: Sequence[int]) -> Grid:

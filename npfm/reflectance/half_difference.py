@@ -144,6 +144,21 @@ class HalfDifference:
         phi_d = np.arctan2(volume / (2 * cos_d), cos_h * cos_d - cos_i) % np.pi
         return self.cell(np.arccos(cos_h), np.arccos(np.minimum(cos_d, 1)), phi_d), None
 
+    @property
+    def column_count(self) -> int:
+        """Columns of a transport matrix: the cells."""
+        return self.size
+
+    def columns(
+        self, light: NDArray, view: NDArray, point: NDArray
+    ) -> tuple[NDArray[np.int32], None]:
+        """Columns of a transport matrix: the `cells`."""
+        return self.cells(light, view, point)
+
+    def column_values(self, values: NDArray) -> NDArray:
+        """Values of a table (3,) + shape as (3, size), 0 where there is no measurement."""
+        return np.maximum(values, 0).reshape(3, -1)
+
 
 def _bin(fraction: NDArray, bins: int) -> NDArray[np.int32]:
     return np.minimum((fraction * bins).astype(np.int32), bins - 1)

@@ -28,7 +28,7 @@ OTHER_VALUES = {
 #: What so many bytes are without a header, and what to do.
 HEADLESS = {
     FILE_BYTES - HEADER_BYTES: "but as many as its values; put the int32 90, 90, 180 before them",
-    8 * 3 * 288**2: "as many as a file of the UTIA database (.bin); convert it to the MERL grid",
+    8 * 3 * 288**2: "as many as a file of the UTIA database; let its name end in .bin",
 }
 
 
@@ -143,7 +143,10 @@ def write_binary(path: str | Path, table: Table) -> None:
         If the table is not on the MERL grid.
     """
     if table.grid != MERL:
-        raise NpfmError(f"{path}: a MERL file cannot hold a table on the grid {table.grid.name}")
+        end = "; give a name that ends in .bin" if table.grid.kind == "directional" else ""
+        raise NpfmError(
+            f"{path}: a MERL file cannot hold a table on the grid {table.grid.name}{end}"
+        )
     with replacing(path, BINARY) as temporary, open(temporary, "wb") as file:
         # Not ndarray.tofile, which says nothing when the disk is full for its last bytes.
         file.write(np.array(MERL.shape, dtype="<i4").data)

@@ -52,4 +52,4 @@ class Table(Generic[G]):
         """
         index, share = local_cells(self.grid, light, view)
         values = np.maximum(self.values.reshape(3, -1)[:, index], 0)
-        return values if share is None else (values * share).sum(axis=-1)
+        return values if share is None else np.maximum((values * share).sum(axis=-1), 0)

@@ -172,12 +172,12 @@ def _rows(surface: Surface, counts: NDArray, setup: Setup) -> tuple[NDArray, ...
     levels = np.unique(counts).tolist()
     parts = [_gather(surface[counts == count], count, setup) for count in levels]
     pixel, cell, weights = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
-    key = pixel * setup.grid.size + cell
+    key = pixel * setup.grid.column_count + cell
     order = np.argsort(key, kind="stable")
     key = key[order]
     first = np.flatnonzero(np.diff(key, prepend=-1))
     merged = np.add.reduceat(weights[:, order], first, axis=1) if len(first) else weights
-    pixel, cell = np.divmod(key[first], setup.grid.size)
+    pixel, cell = np.divmod(key[first], setup.grid.column_count)
     return *np.unique(pixel, return_counts=True), cell.astype(np.int32), merged.astype(np.float32)
 
 
@@ -200,7 +200,7 @@ def _gather(surface: Surface, count: int, setup: Setup) -> tuple[NDArray, NDArra
     along = along[at, sample]
     factor = along[:, 0] / (density[at, sample] * len(setup.offsets))
     weights = setup.environment.lookup(light[at, sample]).T * factor
-    index, share = setup.grid.cells(along, components(surface.view, axes), at)
+    index, share = setup.grid.columns(along, components(surface.view, axes), at)
     if share is None:
         return surface.pixel[at], index, weights
     pixel = np.repeat(surface.pixel[at], index.shape[1])

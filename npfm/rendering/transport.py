@@ -22,14 +22,14 @@ from npfm.storage.files import Kind, replacing
 
 @dataclass(frozen=True)
 class Transport:
-    """A scene in a light as a sparse matrix, pixels x cells, with one value set per channel.
+    """A scene in a light as a sparse matrix, pixels x columns, with one value set per channel.
 
     Parameters
     ----------
     indptr : ndarray of int64, shape (pixels + 1,)
         Where the entries of a pixel begin; pixels row by row from the upper left corner.
     indices : ndarray of int32, shape (n,)
-        Cells, increasing within a pixel.
+        Columns of the grid, increasing within a pixel.
     weights : ndarray of float32, shape (3, n)
         Radiance per BRDF (1/sr), for red, green and blue.
     coverage : ndarray of float32, shape (h, w)
@@ -37,7 +37,7 @@ class Transport:
     backdrop : ndarray of float32, shape (h, w, 3)
         Radiance of the light seen past the objects, times the share of the pixel it fills.
     grid : Grid
-        Whose cells they are.
+        Whose columns they are.
     """
 
     indptr: NDArray[np.int64]
@@ -61,11 +61,11 @@ class Transport:
 
     @property
     def matrices(self) -> list[csr_array]:
-        """T for red, green and blue, shape (pixels, cells)."""
+        """T for red, green and blue, shape (pixels, columns)."""
         # SciPy would copy the indices to give them the type of indptr.
         fits = self.indptr[-1] <= np.iinfo(np.int32).max
         indptr = self.indptr.astype(np.int32 if fits else np.int64)
-        shape = self.coverage.size, self.grid.size
+        shape = self.coverage.size, self.grid.column_count
         return [csr_array((weights, self.indices, indptr), shape=shape) for weights in self.weights]
 
 
@@ -93,7 +93,7 @@ def render(transport: Transport, table: Table) -> NDArray[np.float32]:
             f"the table is on the grid {table.grid.name}, the scene was built for "
             f"{transport.grid.name}; build the scene for the grid of the table"
         )
-    values = np.maximum(table.values, 0).reshape(3, -1).astype(np.float32)
+    values = table.grid.column_values(table.values).astype(np.float32)
     picture = np.empty((*transport.coverage.shape, 4), dtype=np.float32)
     for channel, (matrix, column) in enumerate(zip(transport.matrices, values, strict=True)):
         picture[..., channel] = (matrix @ column).reshape(transport.coverage.shape)

@@ -173,6 +173,7 @@ def ones(*shape, dtype="f4"):
         ({"grid": np.array([4, 0, 6])}, "not numbers of bins"),
         ({"grid": np.array(["a", "b", "c"])}, "not numbers of bins"),
         ({"grid": np.array([2**40, 2**40, 2**40])}, "no table is on a grid of"),
+        ({"grid_kind": "directional", "grid": np.array([99, 99, 99, 99])}, "no table is on a grid"),
         ({"grid": np.array([4, 5, 7])}, "no table is on a grid of"),
         ({"B": ones(3, 4, 5, dtype="f8")}, "B is of type float64, not float32"),
         ({"B": np.array(["a", "b", "c"])}, "B is of type <U1"),

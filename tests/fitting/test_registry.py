@@ -82,3 +82,16 @@ def test_checking_a_configuration_imports_no_model():
     )
     run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
     assert (run.returncode, run.stdout.strip()) == (0, ""), run.stderr
+
+
+def test_a_model_is_for_the_kinds_of_grid_that_it_declares(folder):
+    (folder / "mine.py").write_text('NAME = "mine"\n')
+    (folder / "both.py").write_text('NAME = "both"\nGRIDS = ("half-difference", "directional")\n')
+    registry.check_grid("mine", "half-difference")
+    registry.check_grid("both", "directional")
+    with pytest.raises(NpfmError, match=r"'mine' is not for tables on a directional grid; .* both"):
+        registry.check_grid("mine", "directional")
+    (folder / "both.py").unlink()
+    registry.models.cache_clear()
+    with pytest.raises(NpfmError, match="directional grid; no model is"):
+        registry.check_grid("mine", "directional")

@@ -146,7 +146,7 @@ HEADER = struct.pack("<3i", 90, 90, 180)
         (HEADER, 12 + 25 * PLANE, "the file has bytes after its end"),
         (HEADER, 13 + 12 * PLANE, "the file is cut off or damaged"),
         (struct.pack("<d", 0.5), 24 * PLANE, "without MERL's header.*put the int32 90, 90, 180"),
-        (struct.pack("<d", 0.5), 1_990_656, r"a file of the UTIA database \(\.bin\)"),
+        (struct.pack("<d", 0.5), 1_990_656, "of the UTIA database; let its name end in .bin"),
     ],
 )
 def test_what_is_no_merl_file_is_told_what_it_looks_like(tmp_path, head, size, said):

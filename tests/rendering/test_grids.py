@@ -1,6 +1,7 @@
 """Other kinds of grids than half-difference: from a table to a picture and through files.
 
-Two small ones stand here for any: one of bins, and one that interpolates and needs a tangent.
+Beside the directional grid, two small ones stand here for any: one of bins, and one that
+interpolates and needs a tangent.
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from npfm.errors import NpfmError
 from npfm.fitting import fits
 from npfm.reflectance import grids
 from npfm.reflectance.angles import half_difference
+from npfm.reflectance.directional import UTIA, Directional
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 from npfm.rendering import surfaces, transport
@@ -50,6 +52,16 @@ class Whole:
 
     def theta_h_bin(self, theta_h):
         return np.minimum((theta_h * 60 / np.pi).astype(int), 29)
+
+    @property
+    def column_count(self):
+        return self.size
+
+    def columns(self, light, view, point):
+        return self.cells(light, view, point)
+
+    def column_values(self, values):
+        return np.maximum(values, 0).reshape(3, -1)
 
 
 @dataclass(frozen=True)
@@ -118,7 +130,7 @@ class Azimuths(Whole):
         return index.astype(np.int32), np.stack([1 - share, share], axis=-1)
 
 
-GRIDS = [Elevations(9, 10, 12), Azimuths(16)]
+GRIDS = [Elevations(9, 10, 12), Azimuths(16), Directional(4, 12, 4, 12)]
 
 
 @pytest.fixture(autouse=True)
@@ -179,6 +191,37 @@ def test_anisotropic_reflection_follows_the_tangent():
             assert picture[row, column, channel] == pytest.approx(expected, rel=0.01)
 
 
+def brushed(light, view):
+    """Lambert, and GGX without shadowing, four times as rough along y as along x."""
+    half = light + view
+    half /= np.linalg.norm(half, axis=-1, keepdims=True)
+    x, y, z = np.moveaxis(half, -1, 0)
+    return 0.5 + 1 / (1 + (x / 0.2) ** 2 / z**2 + (y / 0.8) ** 2 / z**2) ** 2 / z**4
+
+
+def test_a_pixel_of_the_directional_grid_is_the_sum_of_its_lookups():
+    """Against lookups along a lattice of directions, in the frame of the meridian."""
+    light, view = np.broadcast_arrays(UTIA.light[:, :, None, None], UTIA.view)
+    table = Table(brushed(light, view) * np.array([1, 0.5, 2]).reshape(3, 1, 1, 1, 1), UTIA)
+    resolution = 15
+    picture = transport.render(build(SPHERE, LIGHT, UTIA, resolution, 16384, 0), table)
+    z, phi = np.meshgrid((np.arange(200) + 0.5) / 200, (np.arange(400) + 0.5) * np.pi / 200)
+    local = np.stack([*(np.sqrt(1 - z**2) * [np.cos(phi), np.sin(phi)]), z], axis=-1)
+    for row, column in [(7, 9), (3, 9), (12, 4)]:
+        pixel = np.array([row * resolution + column])
+        ray = CAMERA.directions(pixel, np.array([[0.5, 0.5]]), resolution)[0]
+        normal = nearest(place(SPHERE), CAMERA.position[None], ray).shading[0]
+        left = np.cross(normal, [0, 1, 0])
+        left /= np.linalg.norm(left)
+        frame = np.stack([np.cross(left, normal), left, normal])
+        assert frame[0, 1] > 0
+        view = np.broadcast_to(-frame @ ray[0], local.reshape(-1, 3).shape)
+        brdf = table.lookup(local.reshape(-1, 3), view).reshape(3, *z.shape)
+        radiance = LIGHT.lookup(local @ frame)
+        expected = (radiance * np.moveaxis(brdf, 0, -1) * z[..., None]).mean((0, 1)) * 2 * np.pi
+        np.testing.assert_allclose(picture[row, column, :3], expected, rtol=0.015)
+
+
 def test_only_anisotropic_grids_pay_for_tangents(monkeypatch):
     def forbidden(normal):
         raise AssertionError("a tangent was asked for")
@@ -227,6 +270,7 @@ def test_a_table_on_another_kind_of_grid_is_refused():
         ("half-difference", (9, 9), "does not have 2 axes"),
         ("half-difference", (9, 9, 18, 3), "does not have 4 axes"),
         ("azimuths", (9, 9), "does not have 2 axes"),
+        ("directional", (6, 48), "does not have 2 axes"),
     ],
 )
 def test_a_grid_that_there_is_not_is_refused(kind, shape, said):
@@ -234,7 +278,7 @@ def test_a_grid_that_there_is_not_is_refused(kind, shape, said):
         grids.named(kind, shape)
 
 
-def directions(count=500):
+def random_directions(count=500):
     light, view = np.random.default_rng(1).normal(size=(2, count, 3))
     for direction in (light, view):
         direction[:, 2] = np.abs(direction[:, 2])
@@ -243,7 +287,7 @@ def directions(count=500):
 
 
 def test_tables_are_looked_up_by_direction():
-    light, view = directions()
+    light, view = random_directions()
     grid = HalfDifference(18, 18, 36)
     values = np.random.default_rng(3).random((3, *grid.shape)) - 0.1
     expected = np.maximum(values, 0).reshape(3, -1)[:, grid.cell(*half_difference(light, view))]
