@@ -8,7 +8,7 @@ from npfm.commands.numbers import whole
 from npfm.commands.outputs import output
 from npfm.declarations import NAMES_ARE, is_name
 from npfm.errors import NpfmError
-from npfm.reflectance.merl import BINARY, read_binary, write_binary
+from npfm.reflectance.table_files import KINDS, read_table, write_table
 from npfm.storage.files import Kind, replacing
 
 #: What a digest covers beside this file (`npfm.run.provenance`).
@@ -16,28 +16,36 @@ CODE = (
     "npfm.commands.numbers",
     "npfm.commands.outputs",
     "npfm.declarations",
-    "npfm.reflectance.merl",
+    "npfm.reflectance.table_files",
 )
 #: And what it covers for some of the kinds.
 CODE_OF_KIND = {
     "synthetic": ("npfm.datasets.synthetic",),
     "neural": ("npfm.datasets.neural",),
     "merl": ("npfm.datasets.merl_folder",),
+    "utia": ("npfm.datasets.utia_folder",),
+    "synthetic-anisotropic": ("npfm.datasets.synthetic_anisotropic",),
 }
 EXAMPLE = """\
 examples:
   python -m npfm material --synthetic car-paint --seed 1 -o car-paint.binary
   python -m npfm material --neural chrome --from merl_nbrdf.zip -o chrome.binary
   python -m npfm material --merl chrome --from brdfs -o chrome.binary
-The last one checks brdfs/chrome.binary and links to it; with --url, a file that is missing there is
-downloaded first. Tables are BRDFs in 1/sr, in MERL's own scaling.
+  python -m npfm material --synthetic-anisotropic brushed-steel -o steel.bin
+  python -m npfm material --utia m002_carpet --from utia -o carpet.bin
+--merl checks brdfs/chrome.binary and links to it, as --utia does; with --url, a file that is
+missing there is downloaded first. Tables are BRDFs in 1/sr, in .binary files in MERL's own scaling.
 """
 
-LINK = Kind(
-    "a link to a table",
-    ".binary",
-    lambda path: path.is_symlink() and path.readlink().suffix == ".binary",
-)
+
+def _link_to(suffix: str) -> Kind:
+    def ours(path: Path) -> bool:
+        return path.is_symlink() and path.readlink().suffix == suffix
+
+    return Kind("a link to a table", suffix, ours)
+
+
+LINKS = {kind.suffix: _link_to(kind.suffix) for kind in KINDS}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -47,6 +55,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     kind.add_argument("--synthetic", metavar="NAME", help="a material that the project makes")
     kind.add_argument("--neural", metavar="NAME", help="a material of the neural archive")
     kind.add_argument("--merl", metavar="NAME", help="a material of a folder of .binary files")
+    kind.add_argument("--utia", metavar="NAME", help="a material of a folder of .bin files")
+    kind.add_argument(
+        "--synthetic-anisotropic",
+        metavar="NAME",
+        help="an anisotropic material that the project makes",
+    )
     parser.add_argument("--from", dest="source", help="the archive, or the folder")
     parser.add_argument("--url", help="where to download from, with {name} for the material")
     parser.add_argument(
@@ -55,39 +69,58 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o",
         "--output",
-        type=output(BINARY, LINK),
+        type=output(*KINDS, *LINKS.values()),
         required=True,
-        help="MERL .binary file to write",
+        help="MERL .binary or UTIA .bin file to write",
     )
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Write the table, or link to it."""
-    if not arguments.synthetic and not arguments.source:
-        raise NpfmError("--neural and --merl need --from, the archive or the folder")
+    made = arguments.synthetic or arguments.synthetic_anisotropic
+    if not made and not arguments.source:
+        raise NpfmError("--neural, --merl and --utia need --from, the archive or the folder")
     if arguments.synthetic:
         from npfm.datasets import synthetic
 
-        write_binary(arguments.output, synthetic.load(arguments.synthetic, arguments.seed))
+        write_table(arguments.output, synthetic.load(arguments.synthetic, arguments.seed))
+    elif arguments.synthetic_anisotropic:
+        from npfm.datasets import synthetic_anisotropic
+
+        write_table(arguments.output, synthetic_anisotropic.load(made, arguments.seed))
     elif arguments.neural:
         from npfm.datasets import neural
 
-        write_binary(arguments.output, neural.load(arguments.source, arguments.neural))
+        write_table(arguments.output, neural.load(arguments.source, arguments.neural))
     else:
-        _link(arguments)
+        _link(arguments.output, _measured(arguments))
 
 
-def _link(arguments: argparse.Namespace) -> None:
+def _measured(arguments: argparse.Namespace) -> Path:
+    """File of a folder, checked and if need be downloaded."""
+    option, name = ("merl", arguments.merl) if arguments.merl else ("utia", arguments.utia)
+    if not is_name(name):
+        raise NpfmError(f"--{option} {name!r}: {NAMES_ARE}; rename the file")
+    folder = Path(arguments.source)
+    if option == "utia":
+        from npfm.datasets import utia_folder
+
+        return utia_folder.path(folder, name)
     from npfm.datasets import merl_folder
 
-    if not is_name(arguments.merl):
-        raise NpfmError(f"--merl {arguments.merl!r}: {NAMES_ARE}; rename the file")
-    folder = Path(arguments.source)
-    if arguments.url and not (folder / f"{arguments.merl}.binary").exists():
-        merl_folder.download(arguments.url, arguments.merl, folder)
-    source = merl_folder.path(folder, arguments.merl)
-    read_binary(source)
-    if Path(arguments.output).absolute().parent.resolve() == folder.resolve():
-        raise NpfmError(f"{arguments.output}: lies among the measurements; give another output")
-    with replacing(arguments.output, LINK) as temporary:
+    if arguments.url and not (folder / f"{name}.binary").exists():
+        merl_folder.download(arguments.url, name, folder)
+    return merl_folder.path(folder, name)
+
+
+def _link(target: str, source: Path) -> None:
+    """Link to a table, after a look at its values."""
+    read_table(source)
+    if Path(target).suffix != source.suffix:
+        raise NpfmError(
+            f"{target}: {source} is linked to; give a name that ends in {source.suffix}"
+        )
+    if Path(target).absolute().parent.resolve() == source.parent.resolve():
+        raise NpfmError(f"{target}: lies among the measurements; give another output")
+    with replacing(target, LINKS[source.suffix]) as temporary:
         os.symlink(source.resolve(), temporary)

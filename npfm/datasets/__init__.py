@@ -1,6 +1,7 @@
-"""Sources of measured tables: `synthetic`, `merl_folder` (key ``merl``) and `neural`.
+"""Sources of measured tables, one module each.
 
-Each has ``materials(...)``, the sorted names it offers. `synthetic` and `neural` have ``load``,
-which gives a table; `merl_folder` has ``path`` and ``download``, since its tables are files
+They are `synthetic`, `synthetic_anisotropic`, `merl_folder` (key ``merl``), `utia_folder` (key
+``utia``) and `neural`. Each has ``materials(...)``, the sorted names it offers. Those that make
+tables have ``load``, which gives one; the folders have ``path``, since their tables are files
 already.
 """

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from urllib.parse import quote
 
-from npfm.errors import NpfmError, suggest
+from npfm.datasets import table_folders
+from npfm.errors import NpfmError
 from npfm.reflectance.merl import BINARY, FILE_BYTES, check_header
 from npfm.storage.files import Kind, marked, replacing
 
@@ -40,15 +41,7 @@ def materials(folder: str | Path) -> list[str]:
     NpfmError
         If there is no such folder, or a file in it would be missed for its ``.BINARY``.
     """
-    folder = Path(folder)
-    if not folder.is_dir():
-        raise NpfmError(f"{folder}: no such folder; give the folder of the MERL .binary files")
-    # A leading dot marks a file that is still being written (`npfm.storage.files.replacing`).
-    files = [p for p in folder.iterdir() if p.suffix.lower() == ".binary" and p.name[:1] != "."]
-    for file in files:
-        if file.suffix != ".binary":
-            raise NpfmError(f"{file}: rename it to {file.stem}.binary, in lower case")
-    return sorted(file.stem for file in files)
+    return table_folders.materials(folder, ".binary", "MERL")
 
 
 def path(folder: str | Path, name: str) -> Path:
@@ -59,9 +52,7 @@ def path(folder: str | Path, name: str) -> Path:
     NpfmError
         If folder or file are absent, or size or header are not MERL's.
     """
-    file = Path(folder) / f"{name}.binary"
-    if not file.is_file():
-        raise NpfmError(f"{file}: no such file; {suggest(name, materials(folder))}")
+    file = table_folders.path(folder, name, ".binary", "MERL")
     check_header(file)
     return file
 

@@ -36,6 +36,12 @@ CALLS = [
     ("material synthetic", [], "material --synthetic chalk -o x.binary"),
     ("material neural", [], "material --neural nylon --from {archive} -o x.binary"),
     ("material merl", [], "material --merl chalk --from materials -o x.binary"),
+    (
+        "material synthetic-anisotropic",
+        [],
+        "material --synthetic-anisotropic satin -o x.bin",
+    ),
+    ("material utia", [], "material --utia satin --from . -o links/x.bin"),
     ("fit", models("bivariate"), "fit chalk.binary --model bivariate -o x.npz"),
     (
         "fit",
@@ -112,6 +118,7 @@ def folder(tmp_path_factory):
     made = f"{folder}/renders/A/chalk"
     calls = [
         f"material --synthetic chalk -o {folder}/materials/chalk.binary",
+        f"material --synthetic-anisotropic satin -o {folder}/satin.bin",
         f"fit {folder}/materials/chalk.binary --model naive --max-iterations 1"
         f" -o {folder}/fits/naive/chalk.npz",
         f"fit {folder}/materials/chalk.binary --model power-iteration -o {folder}/power.npz",
