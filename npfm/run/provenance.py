@@ -135,25 +135,31 @@ def _tree(module: str) -> ast.Module:
     return ast.parse(_source(module).read_text("utf-8"))
 
 
+@cache
 def _imports_by_name(module: str) -> bool:
     names = {"import_module", "__import__"}
     nodes = ast.walk(_tree(module))
     return any({getattr(node, "id", None), getattr(node, "attr", None)} & names for node in nodes)
 
 
-def _imports(module: str) -> Iterator[str]:
-    names = _named(module)
-    yield from (name for name in names if name.split(".")[0] == "npfm" and _file(name))
+@cache
+def _imports(module: str) -> frozenset[str]:
+    """Modules of `npfm` that a module imports itself."""
+    return frozenset(n for n in _named(module) if n.split(".")[0] == "npfm" and _file(n))
 
 
-def _named(module: str) -> Iterator[str]:
+@cache
+def _named(module: str) -> frozenset[str]:
     """Names in the import statements of a module, whether of modules or of what is in them."""
-    for node in ast.walk(_tree(module)):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            source = _absolute(module, node)
-            yield from (source, *(f"{source}.{alias.name}" for alias in node.names))
+    return frozenset(name for node in ast.walk(_tree(module)) for name in _imported(module, node))
+
+
+def _imported(module: str, node: ast.AST) -> Iterator[str]:
+    if isinstance(node, ast.Import):
+        yield from (alias.name for alias in node.names)
+    elif isinstance(node, ast.ImportFrom):
+        source = _absolute(module, node)
+        yield from (source, *(f"{source}.{alias.name}" for alias in node.names))
 
 
 def _absolute(module: str, node: ast.ImportFrom) -> str:

@@ -13,6 +13,13 @@ from npfm.run import provenance
 PACKAGE = provenance.PACKAGE
 
 
+def forget():
+    """Read files again that were read before."""
+    for function in vars(provenance).values():
+        if getattr(function, "__module__", "") == provenance.__name__:
+            getattr(function, "cache_clear", lambda: None)()
+
+
 @pytest.fixture
 def copied(tmp_path, monkeypatch):
     """A copy of the package that a test may edit, and a function that digests it afresh."""
@@ -21,14 +28,12 @@ def copied(tmp_path, monkeypatch):
     monkeypatch.setattr(provenance, "PACKAGE", copy)
 
     def digest(*entries):
-        for cached in (provenance.digest, provenance._tree, provenance._syntax):
-            cached.cache_clear()
+        forget()
         return provenance.digest(entries)
 
+    forget()
     yield copy, digest
-    digest("npfm.errors")
-    for cached in (provenance.digest, provenance._tree, provenance._syntax):
-        cached.cache_clear()
+    forget()
 
 
 def test_the_closure_follows_imports_and_nothing_else():
