@@ -9,6 +9,7 @@ from pathlib import Path
 
 from npfm.commands.numbers import positive, whole
 from npfm.commands.outputs import output
+from npfm.reflectance import grids
 from npfm.reflectance.half_difference import MERL
 from npfm.rendering import assembly, effects, scenes, transport
 from npfm.rendering.lights import environment
@@ -33,6 +34,8 @@ example:
       --effects visibility antialiasing -o scene-b
 writes a folder with the transport matrix: for every pixel, the weight (radiance per BRDF, the BRDF
 in 1/sr) of each cell of a MERL table. Rendering is then one product a material.
+  python -m npfm scene --light grace.exr --objects cloth --grid directional -o hanging
+is for UTIA .bin files; with a shape, --grid directional 12x96x12x96, for finer ones.
 """
 
 RECORD = Kind("a record of a scene", ".json", marked(b'"effects"', b'"rays"', b'"nonzeros"'))
@@ -43,6 +46,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EXAMPLE
     parser.add_argument("--light", required=True, help="lat-long EXR, made by npfm light")
     parser.add_argument("--objects", nargs="+", required=True, help=" and ".join(scenes.OBJECTS))
+    parser.add_argument(
+        "--grid",
+        nargs="+",
+        default=[MERL.kind],
+        metavar="WORD",
+        help="of the tables to be rendered: half-difference (MERL's) or directional (UTIA's), "
+        "and its shape if that is not theirs (default: half-difference)",
+    )
     parser.add_argument("--effects", nargs="+", default=[], help=" and ".join(effects.EFFECTS))
     parser.add_argument(
         "--mesh", type=Path, help="mesh of the figure: PLY, OBJ, STL, glTF (default: ours)"
@@ -91,6 +102,7 @@ def run(arguments: argparse.Namespace) -> str:
     scene = scenes.Scene(tuple(arguments.objects), tuple(arguments.effects), arguments.mesh)
     for warning in scene.warnings:
         print(f"npfm scene: warning: {warning}", file=sys.stderr)
+    grid = grids.parse(arguments.grid)
     registry.check_scene(arguments.sampling)
     check_size(arguments.output, arguments.resolution, arguments.resolution)
     light = environment.read(arguments.light)
@@ -100,16 +112,17 @@ def run(arguments: argparse.Namespace) -> str:
     matrix = assembly.build(
         scene,
         light,
-        MERL,
+        grid,
         arguments.resolution,
         arguments.samples,
         arguments.seed,
-        registry.make(arguments.sampling, Given(light, MERL)),
+        registry.make(arguments.sampling, Given(light, grid)),
         arguments.power,
         counts,
     )
     record = {
         "effects": scene.simulated,
+        "grid": grid.name,
         "sampling": arguments.sampling,
         "power": arguments.power,
         "samples": arguments.samples,

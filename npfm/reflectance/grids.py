@@ -106,6 +106,8 @@ KINDS: dict[str, Callable[..., Grid]] = {
     Directional.kind: Directional,
     HalfDifference.kind: HalfDifference,
 }
+#: Columns of a transport matrix are int32.
+MOST_COLUMNS = 2**31 - 1
 
 
 def named(kind: str, shape: Sequence[int]) -> Grid:
@@ -124,6 +126,31 @@ def named(kind: str, shape: Sequence[int]) -> Grid:
         grid = None
     if grid is None or grid.shape != tuple(shape):
         raise NpfmError(f"a {kind} grid does not have {len(shape)} axes")
+    return grid
+
+
+def parse(words: Sequence[str]) -> Grid:
+    """Make a grid from how it is named, such as ``directional 6x48x6x48``.
+
+    Parameters
+    ----------
+    words : sequence of str
+        The kind, and the shape if it is not the usual one: MERL's, or that of the UTIA database.
+
+    Raises
+    ------
+    NpfmError
+        If there is no such kind, or that is no shape of it.
+    """
+    kind, *shape = words
+    counts = shape[0].split("x") if len(shape) == 1 else []
+    if len(shape) > 1 or not all(count.isdecimal() and int(count) > 0 for count in counts):
+        raise NpfmError(f"{' '.join(words)}: no shape of a grid; give one such as 6x48x6x48")
+    if kind in KINDS and not counts:
+        return KINDS[kind]()
+    grid = named(kind, [int(count) for count in counts])
+    if grid.column_count > MOST_COLUMNS:
+        raise NpfmError(f"{' '.join(words)}: too fine; {MOST_COLUMNS} cells are the most")
     return grid
 
 

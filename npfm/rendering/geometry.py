@@ -31,17 +31,21 @@ class Hits(NamedTuple):
     shading : ndarray, shape (n, 3)
         Unit normal of the smooth surface that a mesh stands for, on the same side of its face;
         at silhouettes it may all the same face away from the ray.
+    along : ndarray, shape (n, 3), or None
+        Direction that a brushing or a thread runs in, not quite across the normals; None if it was
+        not asked for.
     """
 
     distance: Array
     geometric: Array
     shading: Array
+    along: Array | None = None
 
 
 class Shape(Protocol):
     """What an object of a scene can do."""
 
-    def nearest(self, origins: Array, directions: Array) -> Hits:
+    def nearest(self, origins: Array, directions: Array, *, along: bool = False) -> Hits:
         """First hits of rays; `origins` and unit `directions` of shape (n, 3)."""
 
     def occluded(self, origins: Array, directions: Array) -> NDArray[np.bool_]:
@@ -67,14 +71,14 @@ class Sphere:
         along = np.einsum("ij,ij->i", to_centre, directions)
         return along, self.radius**2 + along**2 - np.einsum("ij,ij->i", to_centre, to_centre)
 
-    def nearest(self, origins: Array, directions: Array) -> Hits:
+    def nearest(self, origins: Array, directions: Array, *, along: bool = False) -> Hits:
         """First hits of rays that start outside; `origins`, unit `directions` (n, 3)."""
-        along, half_chord2 = self._quadratic(origins, directions)
-        hit = (half_chord2 > 0) & (along > 0)
-        distance = np.where(hit, along - np.sqrt(np.maximum(half_chord2, 0)), np.inf)
+        length, half_chord2 = self._quadratic(origins, directions)
+        hit = (half_chord2 > 0) & (length > 0)
+        distance = np.where(hit, length - np.sqrt(np.maximum(half_chord2, 0)), np.inf)
         points = origins + np.where(hit, distance, 0)[:, None] * directions
         normal = (points - self.centre) / self.radius
-        return Hits(distance, normal, normal)
+        return Hits(distance, normal, normal, _upwards(normal) if along else None)
 
     def occluded(self, origins: Array, directions: Array) -> NDArray[np.bool_]:
         """Whether rays that start outside hit the sphere, shape (n,)."""
@@ -93,11 +97,15 @@ class Mesh:
         Indices of vertices, counter-clockwise from outside.
     normals : ndarray, shape (v, 3)
         Unit normals at the vertices.
+    threads : ndarray, shape (v, 3), or None
+        Directions at the vertices that a brushing or a thread runs in; None for upwards, as far as
+        the surface goes.
     """
 
     vertices: Array
     faces: NDArray[np.integer]
     normals: Array
+    threads: Array | None = None
 
     @cached_property
     def _embree(self) -> Any:
@@ -108,7 +116,7 @@ class Mesh:
         TriangleMesh(scene, self.vertices.astype(np.float32), self.faces.astype(np.int32))
         return scene
 
-    def nearest(self, origins: Array, directions: Array) -> Hits:
+    def nearest(self, origins: Array, directions: Array, *, along: bool = False) -> Hits:
         """First hits of rays; `origins` and unit `directions` of shape (n, 3)."""
         found = self._embree.run(*_single(origins, directions), output=True)
         hit = found["primID"] >= 0
@@ -122,23 +130,35 @@ class Mesh:
         # Where faces lie back to back, the normals at their vertices cancel.
         cancelled = np.linalg.norm(smooth, axis=1, keepdims=True) < 1e-6
         shading = _along(_unit(np.where(cancelled, geometric, smooth)), geometric)
-        return Hits(np.where(hit, found["tfar"], np.inf), geometric, shading)
+        distance = np.where(hit, found["tfar"], np.inf)
+        if not along:
+            return Hits(distance, geometric, shading)
+        if self.threads is None:
+            return Hits(distance, geometric, shading, _upwards(shading))
+        at_a, at_b, at_c = (self.threads[corners[:, k]] for k in range(3))
+        return Hits(distance, geometric, shading, (1 - u - v) * at_a + u * at_b + v * at_c)
 
     def occluded(self, origins: Array, directions: Array) -> NDArray[np.bool_]:
         """Whether rays hit the mesh at all, shape (n,)."""
         return self._embree.run(*_single(origins, directions), query="OCCLUDED") >= 0
 
 
-def nearest(objects: Sequence[Shape], origins: Array, directions: Array) -> Hits:
+def nearest(
+    objects: Sequence[Shape], origins: Array, directions: Array, *, along: bool = False
+) -> Hits:
     """First hits of rays with any of the objects; `origins`, unit `directions` (n, 3)."""
-    hits = objects[0].nearest(origins, directions)
+    hits = objects[0].nearest(origins, directions, along=along)
     for shape in objects[1:]:
-        other = shape.nearest(origins, directions)
+        other = shape.nearest(origins, directions, along=along)
         closer = other.distance < hits.distance
+        field = None
+        if hits.along is not None and other.along is not None:
+            field = np.where(closer[:, None], other.along, hits.along)
         hits = Hits(
             np.where(closer, other.distance, hits.distance),
             np.where(closer[:, None], other.geometric, hits.geometric),
             np.where(closer[:, None], other.shading, hits.shading),
+            field,
         )
     return hits
 
@@ -153,6 +173,11 @@ def _single(origins: Array, directions: Array) -> tuple[Array, Array]:
 def _unit(vectors: Array) -> Array:
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return vectors / np.maximum(length, np.finfo(float).tiny)
+
+
+def _upwards(normals: Array) -> Array:
+    """The y axis at each of the normals, for shapes that have no threads of their own."""
+    return np.broadcast_to([0.0, 1.0, 0.0], normals.shape)
 
 
 def _along(vectors: Array, directions: Array) -> Array:

@@ -1,4 +1,6 @@
-"""Meshes for scenes: the figure that the project makes itself, and how any mesh is stood up."""
+"""Meshes for scenes: those that the project makes itself, and how any mesh is stood up."""
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +24,30 @@ def standing(mesh: Mesh, height: float, width: float, foot: tuple[float, float, 
     extent = high - low
     scale = 1 / max(extent[1] / height, extent[0] / width, extent[2] / width)
     middle = np.array([(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2])
-    return Mesh((mesh.vertices - middle) * scale + foot, mesh.faces, mesh.normals)
+    return replace(mesh, vertices=(mesh.vertices - middle) * scale + foot)
 
 
 def figure() -> Mesh:
-    """Make the project's own non-convex figure: a tall woven knot on a turned pedestal."""
+    """Make the project's own non-convex figure: a tall woven knot on a turned pedestal.
+
+    It is brushed along the tube of the knot, and up the pedestal.
+    """
     return _joined(_knot(segments=400, sides=24), _pedestal(rings=64, sides=80))
+
+
+def cloth() -> Mesh:
+    """Make a piece of cloth that hangs in folds from its upper edge, with threads that run up.
+
+    It is 2 wide and high, and faces z. The folds are flat where it is held and deepen towards the
+    lower edge, where they drift apart.
+    """
+    u, v = np.meshgrid(np.linspace(-1, 1, 241), np.linspace(-1, 1, 241))
+    hangs = ((1 - v) / 2) ** 0.7
+    folds = np.cos(7.5 * u * (1 - 0.12 * hangs) + 0.6 * np.sin(2.0 * u + 1.5 * v))
+    fine = np.cos(17.0 * u + 1.3 * np.sin(3.0 * v) + 2.0)
+    depth = (0.03 + 0.13 * hangs) * folds + 0.02 * hangs * fine
+    points = np.stack([u * (1 - 0.06 * hangs), v, depth], axis=-1)
+    return _mesh(points, _lattice(np.arange(u.size).reshape(u.shape)), np.gradient(points, axis=0))
 
 
 def _knot(segments: int, sides: int) -> Mesh:
@@ -45,7 +65,8 @@ def _knot(segments: int, sides: int) -> Mesh:
     angle = np.linspace(0, 2 * np.pi, sides, endpoint=False)[:, None]
     ring = np.cos(angle) * outward[:, None] + np.sin(angle) * across[:, None]
     points = curve[:, None] + 0.08 * ring + [0.0, 1.13, 0.0]
-    return _mesh(points, _quads(segments, sides, closed=True))
+    threads = np.broadcast_to(tangent[:, None], points.shape)
+    return _mesh(points, _quads(segments, sides, closed=True), threads)
 
 
 def _pedestal(rings: int, sides: int) -> Mesh:
@@ -62,25 +83,30 @@ def _pedestal(rings: int, sides: int) -> Mesh:
         ),
         axis=-1,
     )
-    return _mesh(points, _quads(rings, sides, closed=False))
+    return _mesh(points, _quads(rings, sides, closed=False), np.gradient(points, axis=0))
 
 
 def _quads(rows: int, columns: int, *, closed: bool) -> NDArray[np.int64]:
     """Triangles over a rows x columns lattice, closed in columns, and in rows if asked."""
     index = np.arange(rows * columns).reshape(rows, columns)
     index = np.concatenate([index, index[:, :1]], axis=1)
-    if closed:
-        index = np.concatenate([index, index[:1]])
+    return _lattice(np.concatenate([index, index[:1]]) if closed else index)
+
+
+def _lattice(index: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Triangles over a lattice of vertices."""
     a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
     triangles = np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)])
     return triangles.reshape(-1, 3)
 
 
-def _mesh(points: NDArray, faces: NDArray) -> Mesh:
+def _mesh(points: NDArray, faces: NDArray, threads: NDArray) -> Mesh:
+    """Mesh of a lattice of points and of the directions of its threads there, of any length."""
     import trimesh
 
     mesh = trimesh.Trimesh(points.reshape(-1, 3), faces, process=False)
-    return Mesh(np.array(mesh.vertices), np.array(mesh.faces), np.array(mesh.vertex_normals))
+    along = threads.reshape(-1, 3) / np.linalg.norm(threads.reshape(-1, 3), axis=1, keepdims=True)
+    return Mesh(np.array(mesh.vertices), np.array(mesh.faces), np.array(mesh.vertex_normals), along)
 
 
 def _joined(first: Mesh, second: Mesh) -> Mesh:
@@ -88,4 +114,5 @@ def _joined(first: Mesh, second: Mesh) -> Mesh:
         np.concatenate([first.vertices, second.vertices]),
         np.concatenate([first.faces, second.faces + len(first.vertices)]),
         np.concatenate([first.normals, second.normals]),
+        np.concatenate([first.threads, second.threads]),
     )

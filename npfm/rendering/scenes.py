@@ -13,7 +13,7 @@ from npfm.rendering.camera import Camera
 from npfm.rendering.effects import EFFECTS, check_effects
 from npfm.rendering.geometry import Shape, Sphere
 
-OBJECTS = ("figure", "sphere")
+OBJECTS = ("figure", "sphere", "cloth")
 #: Strategies that a scene is sampled by if it names no others.
 STRATEGIES = ("light", "half-vector")
 #: Far enough for a sphere of radius 1 to fill nine tenths of the field, and for a figure of
@@ -29,7 +29,8 @@ class Scene:
     ----------
     objects : tuple of str
         Of `OBJECTS`: the sphere alone fills the picture; beside the figure it is smaller and
-        stands to the right of it.
+        stands to the right of it. The cloth hangs behind the others, and before it a sphere is
+        smaller too.
     effects : tuple of str
         Names of `npfm.rendering.effects.EFFECTS`; no others are simulated or paid for, nor those
         that `pointless` lists.
@@ -51,7 +52,7 @@ class Scene:
             if name not in OBJECTS:
                 raise NpfmError(f"unknown object '{name}' in a scene; {suggest(name, OBJECTS)}")
         if not self.objects or len(set(self.objects)) < len(self.objects):
-            raise NpfmError(f"a scene needs one or both of {' and '.join(OBJECTS)}, each once")
+            raise NpfmError(f"a scene needs one or more of {', '.join(OBJECTS)}, each once")
         check_effects(self.effects)
 
     @property
@@ -85,11 +86,17 @@ def place(scene: Scene) -> tuple[Shape, ...]:
     NpfmError
         If the mesh of the figure cannot be used.
     """
-    if "figure" not in scene.objects:
-        return (Sphere((0.0, 0.0, 0.0), 1.0),)
-    together = "sphere" in scene.objects
-    figure = _figure(scene.mesh, x=-0.47 if together else 0.0)
-    return (figure, Sphere((0.52, -0.58, 0.1), 0.42)) if together else (figure,)
+    figure, sphere, cloth = (name in scene.objects for name in OBJECTS)
+    made: list[Shape] = []
+    if figure:
+        made += [_figure(scene.mesh, x=-0.47 if sphere else 0.0)]
+    if sphere and figure:
+        made += [Sphere((0.52, -0.58, 0.1), 0.42)]
+    elif sphere:
+        made += [Sphere((0.0, -0.2, 0.4), 0.55) if cloth else Sphere((0.0, 0.0, 0.0), 1.0)]
+    if cloth:
+        made += [_cloth(behind=len(made) > 0)]
+    return tuple(made)
 
 
 def _figure(path: Path | None, x: float) -> Shape:
@@ -97,3 +104,11 @@ def _figure(path: Path | None, x: float) -> Shape:
 
     mesh = meshes.figure() if path is None else mesh_files.load_mesh(path)
     return meshes.standing(mesh, height=2.0, width=0.95, foot=(x, -1.0, 0.0))
+
+
+def _cloth(*, behind: bool) -> Shape:
+    from npfm.rendering import meshes
+
+    # Alone it shows its hem; behind others it is larger than the field of the camera there.
+    depth, size = (-1.0, 3.1) if behind else (0.0, 2.0)
+    return meshes.standing(meshes.cloth(), size, size, (0.0, -size / 2, depth))

@@ -68,7 +68,8 @@ def look(
     """
     rays = len(offsets)
     direction = camera.directions(np.arange(resolution**2), offsets, resolution).reshape(-1, 3)
-    hits = nearest(objects, np.broadcast_to(camera.position, direction.shape), direction)
+    origins = np.broadcast_to(camera.position, direction.shape)
+    hits = nearest(objects, origins, direction, along=tangents)
     hit = np.isfinite(hits.distance)
     light = np.zeros(direction.shape)
     light[~hit] = environment.lookup(direction[~hit])
@@ -79,7 +80,7 @@ def look(
     surface = Surface(
         normal=shading,
         view=view,
-        tangent=meridians(shading) if tangents else None,
+        tangent=None if hits.along is None else across(hits.along[hit], shading),
         pixel=pixel,
         ray=ray,
         position=position,
@@ -111,22 +112,29 @@ def towards(normal: NDArray, view: NDArray, least: float) -> NDArray:
     return np.where(cosine >= least, normal, bent)
 
 
-def meridians(normal: NDArray) -> NDArray:
-    """Tangents that point upwards as far as they can: on a sphere, along its meridians.
+def across(along: NDArray, normal: NDArray) -> NDArray:
+    """Unit tangents that lie as near to given directions as they can.
+
+    Of upward ones they are the meridians of a sphere. No field of tangents is continuous all over a
+    closed surface without a hole: here they meet where a direction is that of the normal.
 
     Parameters
     ----------
+    along : ndarray, shape (n, 3)
+        Directions, not 0.
     normal : ndarray, shape (n, 3)
         Unit normals.
 
     Returns
     -------
     ndarray, shape (n, 3)
-        Unit vectors across the normals, in the planes of the normals and the y axis; straight up
-        and down, where there is none such, towards -z.
+        Unit vectors across the normals, in the planes of the normals and the directions; where
+        there is no such plane, in that of the normal and -z, or of the normal and x.
     """
-    up = np.array([0.0, 1.0, 0.0]) - normal[:, 1:2] * normal
-    level = np.linalg.norm(up, axis=1, keepdims=True)
-    ahead = np.array([0.0, 0.0, -1.0]) + normal[:, 2:] * normal
-    tangent = np.where(level > 1e-7, up, ahead)
-    return tangent / np.linalg.norm(tangent, axis=1, keepdims=True)
+    tangent = np.zeros(normal.shape)
+    for direction in (np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -1.0]), along):
+        flat = direction - (direction * normal).sum(axis=1, keepdims=True) * normal
+        length = np.linalg.norm(flat, axis=1, keepdims=True)
+        usable = length > 1e-7
+        tangent = np.where(usable, flat / np.where(usable, length, 1.0), tangent)
+    return tangent

@@ -18,7 +18,7 @@ from npfm.reflectance.angles import half_difference
 from npfm.reflectance.directional import UTIA, Directional
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
-from npfm.rendering import surfaces, transport
+from npfm.rendering import geometry, surfaces, transport
 from npfm.rendering.assembly import build
 from npfm.rendering.geometry import nearest
 from npfm.rendering.lights.environment import Environment
@@ -205,7 +205,7 @@ def test_a_pixel_of_the_directional_grid_is_the_sum_of_its_lookups():
     table = Table(brushed(light, view) * np.array([1, 0.5, 2]).reshape(3, 1, 1, 1, 1), UTIA)
     resolution = 15
     picture = transport.render(build(SPHERE, LIGHT, UTIA, resolution, 16384, 0), table)
-    z, phi = np.meshgrid((np.arange(200) + 0.5) / 200, (np.arange(400) + 0.5) * np.pi / 200)
+    z, phi = np.meshgrid((np.arange(150) + 0.5) / 150, (np.arange(300) + 0.5) * np.pi / 150)
     local = np.stack([*(np.sqrt(1 - z**2) * [np.cos(phi), np.sin(phi)]), z], axis=-1)
     for row, column in [(7, 9), (3, 9), (12, 4)]:
         pixel = np.array([row * resolution + column])
@@ -223,25 +223,76 @@ def test_a_pixel_of_the_directional_grid_is_the_sum_of_its_lookups():
 
 
 def test_only_anisotropic_grids_pay_for_tangents(monkeypatch):
-    def forbidden(normal):
-        raise AssertionError("a tangent was asked for")
+    """Neither for the tangents nor for the directions that they follow, on any object."""
+    asked = []
+    monkeypatch.setattr(surfaces, "across", lambda along, normal: asked.append(1) or along)
+    monkeypatch.setattr(geometry, "_upwards", lambda normals: asked.append(2) or normals)
+    scene = Scene(("figure", "sphere", "cloth"))
+    for grid in (HalfDifference(9, 9, 18), Elevations(9, 10, 12)):
+        build(scene, WHITE, grid, 8, 16, 0)
+    assert not asked
+    build(scene, WHITE, Azimuths(16), 8, 16, 0)
+    assert set(asked) == {1, 2}
 
-    monkeypatch.setattr(surfaces, "meridians", forbidden)
-    build(SPHERE, WHITE, HalfDifference(9, 9, 18), 8, 16, 0)
-    build(SPHERE, WHITE, Elevations(9, 10, 12), 8, 16, 0)
-    with pytest.raises(AssertionError, match="a tangent was asked for"):
-        build(SPHERE, WHITE, Azimuths(16), 8, 16, 0)
+
+def unit(count=200, seed=0):
+    vectors = np.random.default_rng(seed).normal(size=(count, 3))
+    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
-def test_meridians_are_unit_tangents_that_point_upwards():
-    normal = np.random.default_rng(0).normal(size=(200, 3))
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    normal[:2] = [[0, 1, 0], [0, -1, 0]]
-    tangent = surfaces.meridians(normal)
+def test_tangents_are_as_near_to_a_direction_as_the_surface_allows():
+    normal, along = unit(seed=0), 3 * unit(seed=1)
+    normal[:3] = [[0, 1, 0], [0, -1, 0], [0, 0, 1]]
+    along[:3] = [[0, 2, 0], [0, 1, 0], [0, 0, -1]]
+    tangent = surfaces.across(along, normal)
     np.testing.assert_allclose(np.linalg.norm(tangent, axis=1), 1)
     np.testing.assert_allclose(np.einsum("ij,ij->i", tangent, normal), 0, atol=1e-12)
-    assert (tangent[2:, 1] > 0).all()
-    np.testing.assert_allclose(tangent[:2], [[0, 0, -1]] * 2)
+    np.testing.assert_allclose(tangent[:3], [[0, 0, -1], [0, 0, -1], [1, 0, 0]], atol=1e-12)
+    for other in (unit(seed=k) for k in range(2, 12)):
+        flat = other - np.einsum("ij,ij->i", other, normal)[:, None] * normal
+        flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+        nearness = [np.einsum("ij,ij->i", t, along)[3:] for t in (tangent, flat)]
+        assert (nearness[0] >= nearness[1] - 1e-12).all()
+
+
+@pytest.mark.parametrize("name", ["sphere", "figure", "cloth"])
+def test_every_object_has_tangents_that_hang_together(name):
+    """From pixel to pixel they turn no more than the surface does, but for its ends."""
+    objects = place(Scene((name,)))
+    offsets, side = np.array([[0.5, 0.5]]), 128
+    surface, _, _ = surfaces.look(CAMERA, objects, WHITE, offsets, side, tangents=True)
+    np.testing.assert_allclose(np.linalg.norm(surface.tangent, axis=1), 1, rtol=1e-6)
+    dots = np.einsum("ij,ij->i", surface.tangent, surface.normal)
+    np.testing.assert_allclose(dots, 0, atol=1e-6)
+    field = np.full((side, side, 2, 3), np.nan)
+    field.reshape(-1, 2, 3)[surface.pixel] = np.stack([surface.tangent, surface.normal], axis=1)
+    cosines = np.einsum("rckx,rckx->rck", field[:, 1:], field[:, :-1])
+    tangent, normal = np.degrees(np.arccos(np.minimum(np.moveaxis(cosines, -1, 0), 1)))
+    # Where the normals of neighbours are farther apart, one thing is before another.
+    beside = normal < 25
+    assert beside.sum() > 2000
+    apart = (tangent - normal)[beside]
+    # One part of the knot may be before another that faces the same way.
+    assert np.mean(apart > 5) < 0.03
+
+
+def test_the_cloth_has_the_directions_of_its_threads():
+    (cloth,) = place(Scene(("cloth",)))
+    surface, _, _ = surfaces.look(
+        CAMERA, (cloth,), WHITE, np.array([[0.5, 0.5]]), 32, tangents=True
+    )
+    # Threads run along lines of equal u: two neighbours on one differ by a tangent.
+    lattice = cloth.vertices.reshape(241, 241, 3)
+    steps = np.diff(lattice, axis=0)
+    steps /= np.linalg.norm(steps, axis=-1, keepdims=True)
+    middles = ((lattice[1:] + lattice[:-1]) / 2).reshape(-1, 3)
+    nearest_step = np.argmin(
+        np.linalg.norm(surface.position[:, None, :2] - middles[None, ::7, :2], axis=-1), axis=1
+    )
+    expected = steps.reshape(-1, 3)[::7][nearest_step]
+    assert np.einsum("ij,ij->i", surface.tangent, expected).min() > 0.98
+    # Which the y axis would not give: the threads spread with the folds.
+    assert np.abs(surface.tangent[:, 0]).max() > 0.03
 
 
 @pytest.mark.parametrize("grid", [*GRIDS, HalfDifference(4, 5, 6)])
@@ -261,6 +312,40 @@ def test_a_table_on_another_kind_of_grid_is_refused():
     other = HalfDifference(4, 5, 6)
     with pytest.raises(NpfmError, match=r"half-difference 4x5x6.*built for elevations 4x5x6"):
         transport.render(built, Table(np.ones((3, 4, 5, 6)), other))
+
+
+@pytest.mark.parametrize(
+    ("words", "grid"),
+    [
+        ("half-difference", HalfDifference()),
+        ("directional", UTIA),
+        ("directional 12x96x9x36", Directional(12, 96, 9, 36)),
+        ("half-difference 9x9x18", HalfDifference(9, 9, 18)),
+    ],
+)
+def test_grids_are_named_by_kind_and_shape(words, grid):
+    assert grids.parse(words.split()) == grid
+    assert grids.parse(grid.name.split()) == grid
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "directional 6x48",
+        "directional 6x48x6x0",
+        "directional 6x48x6x-48",
+        "directional 6x48x6x48x",
+        "directional 6 48 6 48",
+        "directional ²x48x6x48",
+        "directional 999x999x999x999",
+        "directonal",
+        "directional 1e9x1x1x1",
+    ],
+)
+def test_words_that_name_no_grid_are_refused_in_one_line(words):
+    with pytest.raises(NpfmError) as error:
+        grids.parse(words.split())
+    assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -299,6 +384,51 @@ def test_tables_are_looked_up_by_direction():
             phi, np.arange(16) * np.pi / 8, table.values[channel], period=2 * np.pi
         )
         np.testing.assert_allclose(found, periodic)
+
+
+def isotropic(between):
+    """A BRDF without a highlight, of the cosine of the angle between light and view."""
+    return 0.1 + 0.15 * (1 + between)
+
+
+def test_an_isotropic_material_differs_by_what_interpolation_and_bins_allow():
+    """The bound is that of linear interpolation, h^2 / 8 of the second derivative in each angle.
+
+    No second derivative of the cosine between two directions by one of their angles is above 1.
+    Beyond the last theta a line goes wrong by h * 2h / 2 of it at most. A half-difference cell
+    stands for its centre: half a bin of theta_d, the cosine of which moves by less than twice that.
+    """
+    usual = HalfDifference(45, 45, 90)
+    cos_d2 = np.broadcast_to(np.cos(usual.theta_d[:, None]) ** 2, usual.shape)
+    cells = Table(np.stack([isotropic(2 * cos_d2 - 1)] * 3), usual)
+    reference = transport.render(build(SPHERE, LIGHT, usual, 8, 8192, 0), cells)
+    errors = {}
+    for grid in (UTIA, Directional(12, 96, 12, 96)):
+        between = np.einsum("abx,cdx->abcd", grid.light, grid.view)
+        built = build(SPHERE, LIGHT, grid, 8, 8192, 0)
+        picture = transport.render(built, Table(np.stack([isotropic(between)] * 3), grid))
+        white = transport.render(built, Table(np.ones((3, *grid.shape)), grid))
+        theta, phi = np.pi / 2 / grid.theta_i_count, 2 * np.pi / grid.phi_i_count
+        bound = 0.15 * 2 * (theta**2 / 8 + phi**2 / 8 + theta**2)
+        bound += 0.15 * 2 * np.pi / 4 / usual.theta_d_bins
+        shown = built.foreground
+        off = np.abs(picture - reference)[shown][:, :3]
+        # Two per cent of the value for the samples, which are not the same for the two matrices.
+        assert (off <= bound * white[shown][:, :3] + 0.02 * reference[shown][:, :3]).all()
+        errors[grid] = table_error(grid)
+    usual_error, fine_error = errors.values()
+    # A fourth of the error, 12 dB, for half the step.
+    assert 20 * np.log10(usual_error / fine_error) == pytest.approx(12, abs=0.5)
+
+
+def table_error(grid):
+    """Root mean square error of lookups of the isotropic BRDF, none of them extrapolated."""
+    light, view = random_directions(4000)
+    inside = np.minimum(light[:, 2], view[:, 2]) > np.cos(np.radians(75))
+    light, view = light[inside], view[inside]
+    between = np.einsum("abx,cdx->abcd", grid.light, grid.view)
+    found = Table(np.stack([isotropic(between)] * 3), grid).lookup(light, view)
+    return np.sqrt(np.mean((found - isotropic(np.einsum("ij,ij->i", light, view))) ** 2))
 
 
 @pytest.mark.parametrize("grid", GRIDS)

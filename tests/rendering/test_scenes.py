@@ -15,7 +15,7 @@ from npfm.rendering.lights.environment import Environment, write
 from npfm.rendering.scenes import CAMERA, Scene, place
 from npfm.rendering.surfaces import look, towards
 
-SCENES = [("sphere",), ("figure",), ("figure", "sphere")]
+SCENES = [("sphere",), ("figure",), ("figure", "sphere"), ("cloth",)]
 LIGHT = Environment(np.ones((4, 8, 3)))
 CENTRE = np.array([[0.5, 0.5]])
 
@@ -24,8 +24,8 @@ CENTRE = np.array([[0.5, 0.5]])
     ("objects", "effects", "complaint"),
     [
         (("cube",), (), "unknown object 'cube'"),
-        ((), (), "needs one or both"),
-        (("sphere", "sphere"), (), "needs one or both"),
+        ((), (), "needs one or more"),
+        (("sphere", "sphere"), (), "needs one or more"),
         (("sphere",), ("fog",), "unknown effect 'fog' in a scene; choose from antialiasing"),
         (("sphere",), ("visibility", "visibility"), "lists an effect twice"),
     ],
@@ -54,6 +54,19 @@ def test_the_sphere_stands_right_of_the_figure_and_does_not_touch_it():
     figure, sphere = place(Scene(("figure", "sphere")))
     assert figure.vertices[:, 0].max() < sphere.centre[0] - sphere.radius
     assert sphere.centre[1] - sphere.radius == pytest.approx(figure.vertices[:, 1].min())
+
+
+def test_the_cloth_hangs_behind_the_others():
+    figure, sphere, cloth = place(Scene(("cloth", "sphere", "figure")))
+    assert cloth.vertices[:, 2].max() < min(figure.vertices[:, 2].min(), sphere.centre[2] - 0.42)
+    ball, behind = place(Scene(("sphere", "cloth")))
+    assert behind.vertices[:, 2].max() < ball.centre[2] - ball.radius
+    _, coverage, _ = look(CAMERA, (ball, behind), LIGHT, CENTRE, 32)
+    assert coverage.all()
+
+
+def test_the_cloth_is_not_convex_and_may_shade_itself():
+    assert Scene(("cloth",), ("visibility",)).simulated == ("visibility",)
 
 
 def test_a_mesh_of_the_users_takes_the_place_of_the_figure(data):
