@@ -44,10 +44,14 @@ include: "workflow/rules/tables.smk"
 include: "workflow/rules/paper_figures.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/reproduction.smk"
-include: "workflow/rules/accuracy_cost.smk"
-include: "workflow/rules/effects_cost.smk"
-include: "workflow/rules/power_iterations.smk"
 include: "workflow/rules/stability.smk"
+
+
+if not RUN.grid.anisotropic:
+
+    include: "workflow/rules/accuracy_cost.smk"
+    include: "workflow/rules/effects_cost.smk"
+    include: "workflow/rules/power_iterations.smk"
 
 
 rule all:

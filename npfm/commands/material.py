@@ -8,6 +8,8 @@ from npfm.commands.numbers import whole
 from npfm.commands.outputs import output
 from npfm.declarations import NAMES_ARE, is_name
 from npfm.errors import NpfmError
+from npfm.reflectance import grids
+from npfm.reflectance.directional import UTIA, Directional
 from npfm.reflectance.table_files import KINDS, read_table, write_table
 from npfm.storage.files import Kind, replacing
 
@@ -67,6 +69,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--seed", type=whole(0), default=1, help="seed of synthetic noise (default: 1)"
     )
     parser.add_argument(
+        "--shape",
+        help="of --synthetic-anisotropic: how many theta_i, phi_i, theta_o and phi_o "
+        "(default: 6x48x6x48)",
+    )
+    parser.add_argument(
         "-o",
         "--output",
         type=output(*KINDS, *LINKS.values()),
@@ -78,6 +85,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Write the table, or link to it."""
     made = arguments.synthetic or arguments.synthetic_anisotropic
+    if arguments.shape and not arguments.synthetic_anisotropic:
+        raise NpfmError("--shape goes with --synthetic-anisotropic; leave it out")
     if not made and not arguments.source:
         raise NpfmError("--neural, --merl and --utia need --from, the archive or the folder")
     if arguments.synthetic:
@@ -87,7 +96,9 @@ def run(arguments: argparse.Namespace) -> None:
     elif arguments.synthetic_anisotropic:
         from npfm.datasets import synthetic_anisotropic
 
-        write_table(arguments.output, synthetic_anisotropic.load(made, arguments.seed))
+        grid = grids.parse([UTIA.kind, *([arguments.shape] if arguments.shape else [])])
+        assert isinstance(grid, Directional)  # as its kind says
+        write_table(arguments.output, synthetic_anisotropic.load(made, arguments.seed, grid))
     elif arguments.neural:
         from npfm.datasets import neural
 

@@ -3,12 +3,9 @@
 import argparse
 from pathlib import Path
 
-import numpy as np
-
 from npfm.commands.numbers import positive
 from npfm.commands.outputs import output
 from npfm.commands.sources import table
-from npfm.reflectance.table import INVALID, Table
 from npfm.reflectance.table_files import read_table
 from npfm.rendering import transport
 from npfm.storage import pictures
@@ -57,8 +54,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Render."""
     material = table(arguments.source)
     if arguments.measured:
-        measured = read_table(arguments.measured)
-        material = Table(np.where(measured.valid, material.values, INVALID), material.grid)
+        material = material.where_measured(read_table(arguments.measured))
     picture = transport.render(transport.load(arguments.scene), material)
     pictures.write_exr(arguments.output, picture)
     png = pictures.tone_map(picture[..., :3], arguments.exposure, arguments.gamma)

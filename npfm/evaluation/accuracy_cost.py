@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from npfm.errors import NpfmError
 from npfm.evaluation import tables
 from npfm.evaluation.metrics import mean_db, psnr_or_gap
 from npfm.fitting.fits import load_record
@@ -112,8 +113,8 @@ def fits(
     values = np.empty((3, measured.grid.column_count, 1 + len(paths)), dtype=np.float32)
     for k, path in enumerate([None, *paths]):
         table = tabulate(path) if path else measured
-        shown = np.where(measured.valid, table.values, 0.0)
-        values[..., k] = measured.grid.column_values(shown)
+        shown = table.where_measured(measured)
+        values[..., k] = shown.grid.column_values(shown.values)
     quality = {}
     for scene, matrix in scenes.items():
         reference, *compared = pictures(matrix, values)
@@ -125,6 +126,20 @@ def fits(
         cost = sum(channel.seconds for channel in found["channels"]), found["bytes"]
         rows += [(*setting, scene, *cost, quality[path, scene]) for scene in scenes]
     return pd.DataFrame(rows, columns=FITS[1:])
+
+
+def columns(shown: Sequence[Table]) -> NDArray[np.float32]:
+    """What `pictures` renders of many tables, shape (3, columns, tables).
+
+    Raises
+    ------
+    NpfmError
+        If the tables are on different grids.
+    """
+    names = {table.grid.name for table in shown}
+    if len(names) > 1:
+        raise NpfmError(f"tables on the grids {' and '.join(sorted(names))}; give those of one")
+    return np.stack([t.grid.column_values(t.values).astype(np.float32) for t in shown], axis=-1)
 
 
 def pictures(matrix: Transport, values: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -140,7 +155,17 @@ def pictures(matrix: Transport, values: NDArray[np.float32]) -> NDArray[np.float
     -------
     ndarray of float32, shape (tables, h, w, 3)
         Linear radiance, as `npfm.rendering.transport.render` gives it for each table.
+
+    Raises
+    ------
+    NpfmError
+        If the tables are on another grid than the matrix was built for.
     """
+    if values.shape[1] != matrix.grid.column_count:
+        raise NpfmError(
+            f"the scene was built for {matrix.grid.name}, and the tables are on another grid; "
+            "build it for theirs"
+        )
     products = [
         channel @ np.maximum(columns, 0)
         for channel, columns in zip(matrix.matrices, values, strict=True)
@@ -171,7 +196,7 @@ def sampling(
         the measurement's, and reference_db, the same in the reference.
     """
     shown = [table for pair in materials.values() for table in pair]
-    values = np.stack([t.grid.column_values(t.values).astype(np.float32) for t in shown], axis=-1)
+    values = columns(shown)
     exact = transport.load(reference)
     foreground, truth = exact.foreground, pictures(exact, values)
     rows = []

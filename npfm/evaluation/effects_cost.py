@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.evaluation import tables
-from npfm.evaluation.accuracy_cost import pictures
+from npfm.evaluation.accuracy_cost import columns, pictures
 from npfm.evaluation.metrics import mean_db, psnr_or_gap
 from npfm.reflectance.table import Table
 from npfm.rendering import transport
@@ -67,11 +67,8 @@ def show(scene: str, materials: Sequence[tuple[Table, Table]]) -> Shown:
     NpfmError
         If the scene or its record cannot be read.
     """
-    shown = [m.values for m, _ in materials] + [
-        np.where(m.valid, fit.values, 0.0) for m, fit in materials
-    ]
-    grid = materials[0][0].grid
-    values = np.stack([grid.column_values(v).astype(np.float32) for v in shown], axis=-1)
+    shown = [m for m, _ in materials] + [fit.where_measured(m) for m, fit in materials]
+    values = columns(shown)
     matrix = transport.load(scene)
     return Shown(_record(scene), matrix, *np.split(pictures(matrix, values), 2))
 

@@ -8,11 +8,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from npfm.errors import NpfmError
 from npfm.figures import slice_axes, style
 from npfm.fitting.objective import Objective, channel_samples, counted, importance, volume_form
 from npfm.reflectance.half_difference import HalfDifference
-from npfm.reflectance.merl import read_binary
 from npfm.reflectance.table import Table
+from npfm.reflectance.table_files import read_table
 
 CHANNEL = 1  # green
 PHI_D = (0, 45, 90)  # degrees, of the slices
@@ -27,7 +28,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def make(arguments: argparse.Namespace) -> Figure:
     """Draw the figure from the table that the arguments name."""
-    table = read_binary(arguments.table)
+    table = read_table(arguments.table)
+    if not isinstance(table.grid, HalfDifference):
+        raise NpfmError(
+            f"{arguments.table}: the weights are shown over theta_h, theta_d and phi_d; "
+            "give a MERL .binary file"
+        )
     return draw(weights(table, Objective()), table.grid, Path(arguments.table).stem)
 
 

@@ -6,6 +6,7 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from npfm.errors import NpfmError
 from npfm.reflectance.grids import Grid, local_cells
 from npfm.reflectance.half_difference import MERL
 
@@ -53,3 +54,18 @@ class Table(Generic[G]):
         index, share = local_cells(self.grid, light, view)
         values = np.maximum(self.values.reshape(3, -1)[:, index], 0)
         return values if share is None else np.maximum((values * share).sum(axis=-1), 0)
+
+    def where_measured(self, measured: "Table") -> "Table":
+        """Return it with `INVALID` in all cells where another table has no measurement.
+
+        Raises
+        ------
+        NpfmError
+            If they are on different grids.
+        """
+        if measured.grid != self.grid:
+            raise NpfmError(
+                f"a fit on the grid {self.grid.name}, and a measurement on {measured.grid.name}; "
+                "give the table that the fit was made from"
+            )
+        return Table(np.where(measured.valid, self.values, INVALID), self.grid)

@@ -2,23 +2,29 @@
 
 import os
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from npfm.datasets import merl_folder, neural, synthetic
-from npfm.datasets.names import MERL_NAMES, select
 from npfm.errors import NpfmError, suggest
 from npfm.fitting import registry
 from npfm.fitting.solvers.choice import module_of as solver_module
+from npfm.reflectance.grids import Grid
+from npfm.reflectance.half_difference import MERL
 from npfm.rendering.sampling import registry as sampling
 from npfm.rendering.scenes import STRATEGIES, Scene
+from npfm.run import datasets
 from npfm.run.entries import Variant, missing_fits, read_variants
 from npfm.run.names import check_names
 from npfm.run.provenance import command_code
 from npfm.run.schema import check_schema, settled
 from npfm.run.words import as_input, option, path_word
+
+ONLY_HALF_DIFFERENCE = (
+    "config: dataset: on a directional grid there is no Figure 3, and no target accuracy_cost, "
+    "effects or power_iterations: they are of theta_h, or of models for isotropic tables"
+)
 
 
 @dataclass(frozen=True)
@@ -35,12 +41,15 @@ class Run:
         In the order of the configuration.
     missing : frozenset of (str, str)
         Variants and materials that there are no parameters of: such fits are not made.
+    grid : Grid
+        Of all tables.
     """
 
     config: Mapping[str, Any]
     materials: tuple[str, ...]
     variants: Mapping[str, Variant]
     missing: frozenset[tuple[str, str]] = frozenset()
+    grid: Grid = MERL
 
     @property
     def folder(self) -> str:
@@ -65,7 +74,17 @@ class Run:
             f"config: scenes/{name}: {warning}"
             for name, described in self.config["scenes"].items()
             for warning in _scene(described).warnings
-        ]
+        ] + [ONLY_HALF_DIFFERENCE] * self.grid.anisotropic
+
+    def table(self, name: str) -> str:
+        """Return where the table of a material is."""
+        end = ".bin" if self.grid.anisotropic else ".binary"
+        return f"{self.folder}/materials/{name}{end}"
+
+    @property
+    def grid_options(self) -> list[str]:
+        """Argument of ``npfm scene`` for the grid, unless that is the usual one."""
+        return ["--grid", *self.grid.name.split()] if self.grid != MERL else []
 
     def variants_of(self, material: str) -> list[str]:
         """Names of the variants that there is a fit of for a material, in order."""
@@ -103,6 +122,8 @@ class Run:
         match dataset["kind"]:
             case "neural":
                 return [as_input(self.user_file(dataset["path"]))]
+            case "utia":
+                return [as_input(str(Path(self.user_file(dataset["path"])) / f"{name}.bin"))]
             case "merl":
                 # With a url, the same before and after a download; whoever reads the table sees a
                 # change of the file through the link.
@@ -114,9 +135,10 @@ class Run:
     def material_options(self, name: str) -> list[str]:
         """Arguments of ``npfm material`` for a material."""
         dataset = self.config["dataset"]
-        if dataset["kind"] == "synthetic":
-            seed = ["--seed", f"{dataset['seed']}"] if "seed" in dataset else []
-            return ["--synthetic", name, *seed]
+        if dataset["kind"] in datasets.MADE:
+            keys = [key for key in ("seed", "shape") if key in dataset]
+            words = [word for key in keys for word in (f"--{key}", f"{dataset[key]}")]
+            return [f"--{dataset['kind']}", name, *words]
         url = ["--url", dataset["url"]] if "url" in dataset else []
         path = path_word(self.user_file(dataset["path"]))
         return [f"--{dataset['kind']}", name, "--from", path, *url]
@@ -188,6 +210,7 @@ class Run:
             *("--objects", *described["objects"]),
             *option("--effects", _scene(described).simulated),
             *(["--mesh", path_word(self.user_file(mesh))] if mesh else []),
+            *self.grid_options,
             *("--resolution", f"{self.config['resolution']}"),
             *("--samples", f"{described['samples']}"),
             *(["--seed", f"{described['seed']}"] if "seed" in described else []),
@@ -252,9 +275,14 @@ def check(config: Mapping[str, Any]) -> Run:
     if scene is not None and scene not in config["scenes"]:
         hint = suggest(scene, config["scenes"])
         raise NpfmError(f"config: accuracy_cost/scene: unknown scene '{scene}'; {hint}")
-    materials = tuple(select(config["dataset"]["materials"], _available(config)))
-    _check_materials(materials, config["dataset"], config["data"])
-    return Run(config, materials, named, missing_fits(named, materials))
+    materials = datasets.chosen(config)
+    grid = datasets.grid(config, materials)
+    for name, variant in named.items():
+        try:
+            registry.check_grid(variant.model, grid.kind)
+        except NpfmError as error:
+            raise NpfmError(f"config: variants/{name}: {error}") from error
+    return Run(config, materials, named, missing_fits(named, materials), grid)
 
 
 def _scene(described: Mapping[str, Any]) -> Scene:
@@ -267,26 +295,3 @@ def _check_scene(name: str, described: Mapping[str, Any]) -> None:
         sampling.check_scene(described.get("sampling", {}).get("strategies", STRATEGIES))
     except NpfmError as error:
         raise NpfmError(f"config: scenes/{name}: {error}") from error
-
-
-def _check_materials(names: Iterable[str], dataset: Mapping[str, Any], folder: str) -> None:
-    """Refuse names of materials that cannot be names of files."""
-    suffix = {"merl": ".binary", "neural": ".h5"}.get(dataset["kind"], "")
-    source = Path(folder) / dataset.get("path", "")
-    for name in names:
-        check_names([name], "material", f"{f'{name}{suffix}'!r} in {source}")
-
-
-def _available(config: Mapping[str, Any]) -> list[str]:
-    dataset = config["dataset"]
-    if dataset["kind"] == "synthetic":
-        return synthetic.materials()
-    if "path" not in dataset:
-        raise NpfmError(f"config: dataset: kind '{dataset['kind']}' needs a 'path'")
-    path = Path(config["data"]) / dataset["path"]
-    if dataset["kind"] == "neural":
-        return neural.materials(path)
-    if "url" in dataset:
-        here = merl_folder.materials(path) if path.is_dir() else []
-        return sorted({*MERL_NAMES, *here})
-    return merl_folder.materials(path)

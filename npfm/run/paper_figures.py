@@ -36,7 +36,9 @@ class Drawn:
 def drawn(run: Run, weighting: Weighting) -> dict[str, Drawn]:
     """Figures by name; those of models that the run does not have are left out."""
     models = [model for model in MODELS if model in run.variants]
-    figures = {"figure03": _weights(run), "figure04": Drawn([], [], "4: the compressive function")}
+    figures = {"figure04": Drawn([], [], "4: the compressive function")}
+    if not run.grid.anisotropic:
+        figures["figure03"] = _weights(run)
     if models:
         figures["figure05"] = _slices(run, models)
     if MODELS[0] in models:
@@ -95,7 +97,7 @@ def _compared(run: Run, figure: str, variants: list[str]) -> Drawn:
 
 
 def _tables(run: Run, materials: Sequence[str]) -> list[str]:
-    return [f"{run.folder}/materials/{name}.binary" for name in materials]
+    return [run.table(name) for name in materials]
 
 
 def _fits(run: Run, variant: str, materials: Sequence[str]) -> list[str]:

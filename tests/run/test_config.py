@@ -4,12 +4,17 @@ import tomllib
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
+from npfm.datasets import synthetic_anisotropic
 from npfm.declarations import NAMES_ARE
 from npfm.errors import NpfmError
 from npfm.fitting import registry
+from npfm.reflectance.directional import UTIA, Directional
+from npfm.reflectance.table import Table
+from npfm.reflectance.utia import write_bin
 from npfm.rendering.lights.generated import LIGHTS
 from npfm.run.config import check
 
@@ -300,3 +305,90 @@ def test_a_scene_may_say_how_it_is_sampled():
 def test_a_wrong_sampling_is_refused(sampling, said):
     with pytest.raises(NpfmError, match=said):
         check(configured(scenes={"A": {"sampling": sampling}}))
+
+
+def directional(**changes):
+    """A configuration of anisotropic materials, with a model that is declared to be for them."""
+    dataset = {"kind": "synthetic-anisotropic", "materials": ["*"]} | changes.pop("dataset", {})
+    return configured(**{"dataset": dataset, "variants": ["brushed"]} | changes)
+
+
+@pytest.fixture
+def brushed(monkeypatch):
+    """One model more, for tables of both kinds."""
+    both = registry.Model("npfm.models.naive", grids=("half-difference", "directional"))
+    models = registry.models() | {"brushed": both}
+    monkeypatch.setattr(registry, "models", lambda: models)
+
+
+def test_the_dataset_decides_the_grid(brushed, tmp_path):
+    run = check(directional())
+    assert run.grid == UTIA
+    assert run.materials == tuple(synthetic_anisotropic.materials())
+    assert run.table("satin") == "results/default/materials/satin.bin"
+    assert " ".join(run.grid_options) == "--grid directional 6x48x6x48"
+    assert "--grid" in run.scene_options("A")
+    assert run.material_options("satin") == ["--synthetic-anisotropic", "satin"]
+    assert any("no Figure 3" in warning for warning in run.warnings)
+    usual = check(configured(variants=["naive"]))
+    assert usual.table("chalk") == "results/default/materials/chalk.binary"
+    assert usual.grid_options == []
+    assert not usual.warnings
+
+
+def test_tables_of_synthetic_anisotropic_materials_may_be_finer(brushed):
+    run = check(directional(dataset={"shape": "12x96x12x96", "seed": 4}))
+    assert run.grid == Directional(12, 96, 12, 96)
+    words = "--synthetic-anisotropic satin --seed 4 --shape 12x96x12x96"
+    assert " ".join(run.material_options("satin")) == words
+
+
+@pytest.mark.parametrize("shape", ["6x48", "sharp", "6x48x6x48 --help", "0x1x1x1"])
+def test_a_shape_that_is_none_is_refused(brushed, shape):
+    with pytest.raises(NpfmError, match="config: dataset/shape: ") as error:
+        check(directional(dataset={"shape": shape}))
+    assert "\n" not in str(error.value)
+
+
+def test_only_made_anisotropic_materials_have_a_shape(brushed):
+    with pytest.raises(NpfmError, match="dataset/shape: kind 'synthetic' has none; leave it out"):
+        check(directional(dataset={"kind": "synthetic", "shape": "6x48x6x48"}))
+
+
+def test_a_model_that_is_not_for_the_grid_is_refused_before_any_job(brushed):
+    with pytest.raises(NpfmError) as error:
+        check(directional(variants=["brushed", {"name": "mine", "model": "naive"}]))
+    said = "config: variants/mine: 'naive' is not for tables on a directional grid; choose from "
+    assert str(error.value).startswith(said)
+    assert "brushed" in str(error.value)
+
+
+def bins(folder, **shapes):
+    (folder / "utia").mkdir()
+    for name, shape in shapes.items():
+        write_bin(folder / "utia" / f"{name}.bin", Table(np.ones((3, *shape)), Directional(*shape)))
+    return {"kind": "utia", "path": "utia"}
+
+
+def test_files_of_utia_are_found_in_their_folder(brushed, tmp_path):
+    dataset = bins(tmp_path, wood=UTIA.shape, silk=UTIA.shape)
+    run = check(directional(dataset=dataset, data=str(tmp_path)))
+    assert (run.materials, run.grid) == (("silk", "wood"), UTIA)
+    assert run.material_inputs("silk") == [str(tmp_path / "utia" / "silk.bin")]
+    assert run.material_options("silk") == ["--utia", "silk", "--from", str(tmp_path / "utia")]
+
+
+def test_a_run_of_utia_files_has_one_grid(brushed, tmp_path):
+    dataset = bins(tmp_path, wood=UTIA.shape, silk=(4, 8, 4, 8))
+    said = "silk is on the grid directional 4x8x4x8 and wood on directional 6x48x6x48; choose"
+    with pytest.raises(NpfmError, match=said):
+        check(directional(dataset=dataset, data=str(tmp_path)))
+    alone = check(directional(dataset=dataset | {"materials": ["silk"]}, data=str(tmp_path)))
+    assert alone.grid == Directional(4, 8, 4, 8)
+
+
+def test_a_damaged_file_of_utia_is_left_to_the_job_that_reads_it(brushed, tmp_path):
+    dataset = bins(tmp_path, wood=(4, 8, 4, 8))
+    (tmp_path / "utia" / "cut.bin").write_bytes(b"cut off")
+    run = check(directional(dataset=dataset, data=str(tmp_path)))
+    assert (run.materials, run.grid) == (("cut", "wood"), Directional(4, 8, 4, 8))

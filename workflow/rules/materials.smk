@@ -1,5 +1,5 @@
 # Links and downloads: the nodes of a cluster seldom reach the web.
-if RUN.config["dataset"]["kind"] == "merl":
+if RUN.config["dataset"]["kind"] in ("merl", "utia"):
 
     localrules:
         material,
@@ -9,7 +9,7 @@ use rule npfm as material with:
     input:
         lambda wildcards: RUN.material_inputs(wildcards.material),
     output:
-        f"{OUT}/materials/{{material}}.binary",
+        RUN.table("{material}"),
     log:
         f"{OUT}/logs/material/{{material}}.log",
     resources:
