@@ -128,6 +128,7 @@ def fit_coupled(
     tabulate: Callable[[Fit], Table],
     coefficients: tuple[str, ...],
     reciprocal: bool = True,
+    folded_record: bool = True,
 ) -> Fit:
     """Fit all channels at once, for a model in which they share parameters.
 
@@ -150,6 +151,8 @@ def fit_coupled(
         The parameters that carry the unit of the BRDF: they are scaled back to 1/sr.
     reciprocal : bool
         Whether the model is fitted to folded samples.
+    folded_record : bool
+        Whether the records compare folded samples: not, if light and view exchanged change a table.
 
     Raises
     ------
@@ -175,20 +178,27 @@ def fit_coupled(
     }
     parameters = {key: np.asarray(value).astype(STORED) for key, value in parameters.items()}
     fit = Fit(name, parameters, table.grid)
-    records = records_of(tabulate(fit), folded, result.traces, time.process_time() - began)
+    seconds = time.process_time() - began
+    compared = folded if folded_record else samples
+    records = records_of(tabulate(fit), compared, result.traces, seconds)
+    floors = [channel.floor / (channel.energy or 1.0) for channel in folded]
     reasons = [degeneracy(channel) for channel in folded]
     return replace(
         fit,
         records=tuple(
-            replace(record, status=f"degenerate: {reason}") if reason else record
-            for record, reason in zip(records, reasons, strict=True)
+            replace(
+                record,
+                objective_floor=floor,
+                status=f"degenerate: {reason}" if reason else record.status,
+            )
+            for record, floor, reason in zip(records, floors, reasons, strict=True)
         ),
     )
 
 
 def records_of(
     made: Table,
-    folded: Sequence[Samples],
+    samples: Sequence[Samples],
     traces: Sequence[Sequence[Trace]],
     seconds: float,
 ) -> tuple[ChannelRecord, ...]:
@@ -198,8 +208,8 @@ def records_of(
     ----------
     made : Table
         What the fit's model makes of it.
-    folded : sequence of Samples
-        Of each channel.
+    samples : sequence of Samples
+        Of each channel; folded only if the table is reciprocal.
     traces : sequence of sequence of Trace
         Of each channel, first the run that led to the fit.
     seconds : float
@@ -209,7 +219,7 @@ def records_of(
     rest = max(seconds - sum(runs), 0.0) / len(CHANNELS)
     records = []
     for channel, name in enumerate(CHANNELS):
-        measured, first = folded[channel], traces[channel][0]
+        measured, first = samples[channel], traces[channel][0]
         half = made.values[channel][..., : measured.value.shape[-1]]
         energy = measured.energy or 1.0
         reached = evaluate(measured, half / measured.scale) / energy

@@ -14,9 +14,10 @@ from pathlib import Path
 from typing import Any
 
 PACKAGE = Path(__file__).parents[1]
-#: Libraries whose versions can change results: of all code, and of that which imports them.
-LIBRARIES, WHERE_IMPORTED = ("numpy", "scipy"), ("numba", "tensorly")
-
+#: Libraries whose versions can change results: of all code, and of that which imports them, by the
+#: name that they are imported by.
+LIBRARIES = ("numpy", "scipy")
+WHERE_IMPORTED = {"numba": "numba", "tensorly": "tensorly", "sklearn": "scikit-learn"}
 
 #: Where modules are imported by a name that is only known when it runs; whoever depends on one of
 #: these names the modules as well.
@@ -79,12 +80,12 @@ def digest(entries: tuple[str, ...], alone: tuple[str, ...] = ()) -> str:
     -------
     str
         Hexadecimal. Docstrings, comments, layout, the wording of what is raised and the version of
-        Python do not matter to it; the versions of numpy and scipy do, and those of numba and
-        tensorly where they are imported.
+        Python do not matter to it; the versions of numpy and scipy do, and those of numba,
+        tensorly and scikit-learn where they are imported.
     """
     modules = sorted(closure(entries) | set(alone))
     imported = {name.split(".")[0] for module in modules for name in _named(module)}
-    libraries = [*LIBRARIES, *(name for name in WHERE_IMPORTED if name in imported)]
+    libraries = [*LIBRARIES, *(WHERE_IMPORTED[name] for name in WHERE_IMPORTED if name in imported)]
     parts = [f"{name} {importlib.metadata.version(name)}" for name in libraries]
     parts += [f"{module} {_syntax(module)}" for module in modules]
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]

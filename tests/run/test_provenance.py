@@ -155,14 +155,22 @@ def test_a_library_version_changes_the_digest(monkeypatch):
     assert before != after
 
 
-@pytest.mark.parametrize(("module", "counts"), [("tucker", True), ("bivariate", False)])
-def test_the_version_of_tensorly_counts_where_it_is_imported(monkeypatch, module, counts):
+@pytest.mark.parametrize(
+    ("library", "module", "counts"),
+    [
+        ("tensorly", "tucker", True),
+        ("tensorly", "bivariate", False),
+        ("scikit-learn", "factored", True),
+        ("scikit-learn", "bivariate", False),
+    ],
+)
+def test_the_version_of_a_library_counts_where_it_is_imported(monkeypatch, library, module, counts):
     entries = (f"npfm.models.{module}",)
     before, version = provenance.digest(entries), provenance.importlib.metadata.version
     monkeypatch.setattr(
         provenance.importlib.metadata,
         "version",
-        lambda name: "0.0" if name == "tensorly" else version(name),
+        lambda name: "0.0" if name == library else version(name),
     )
     provenance.digest.cache_clear()
     after = provenance.digest(entries)

@@ -35,7 +35,7 @@ class HalfVectorSampling:
         k = np.minimum(position.astype(int), count - 1)
         upper, lower = self._cosines(k, limit)
         cos_h = upper + (position - k) * (lower - upper)
-        phi = (2 * u[..., 1] - 1) * _azimuth_limit(np.arccos(cos_h), theta_o)
+        phi = (2 * u[..., 1] - 1) * azimuth_limit(np.arccos(cos_h), theta_o)
         half = at.directions(cos_h, phi)
         return 2 * (half @ at.view[:, :, None]) * half - at.view[:, None]
 
@@ -53,7 +53,7 @@ class HalfVectorSampling:
         k = np.minimum(self.grid.theta_h_bin(theta_h), count - 1)
         upper, lower = self._cosines(k, limit)
         # At the rim of the range no azimuth is left; the floor keeps the density finite there.
-        azimuths = 2 * np.maximum(_azimuth_limit(theta_h, theta_o), 1e-9)
+        azimuths = 2 * np.maximum(azimuth_limit(theta_h, theta_o), 1e-9)
         return np.where(above, 1 / (count * (upper - lower) * azimuths * 4 * cos_d), 0)
 
     def _range(self, at: Shading) -> tuple[Array, Array, NDArray[np.int64]]:
@@ -67,7 +67,7 @@ class HalfVectorSampling:
         return np.cos(self.edges)[k], np.cos(np.minimum(self.edges[k + 1], limit))
 
 
-def _azimuth_limit(theta_h: Array, theta_o: Array) -> Array:
+def azimuth_limit(theta_h: Array, theta_o: Array) -> Array:
     """Largest |phi_h| for which the light is above the horizon."""
     sine = np.sin(2 * theta_h) * np.sin(theta_o)
     cosine = -np.cos(2 * theta_h) * np.cos(theta_o)

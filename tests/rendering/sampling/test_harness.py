@@ -9,7 +9,9 @@ import pytest
 from scipy.stats import chi2
 from shaded import about_mirror, above_horizon, point
 
+from npfm.fitting.factorisation.recipes import Recipe, factor
 from npfm.reflectance.angles import half_difference
+from npfm.reflectance.factored import Angles
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import INVALID, Table
 from npfm.rendering.lights.environment import Environment
@@ -48,10 +50,28 @@ def reflected(light, at):
     return LIGHT.lookup(light)[..., 1] * brdf * np.maximum(light @ at.normal[0], 0)
 
 
-@pytest.fixture(params=list(registry.strategies()), scope="module")
+def factors(half, improved, shape, terms=(2, 2)):
+    """Arrays of a factorisation of `TABLE`."""
+    angles = Angles(half, improved, shape)
+    return factor(TABLE.lookup, Recipe(angles, terms)).factors.arrays()
+
+
+#: Kinds of factors that the strategy is tested with.
+FACTORED = {
+    "factored": lambda: factors(True, True, (8, 1, 32, 12)),
+    "factored: as printed, views of all azimuths": lambda: factors(True, False, (8, 8, 32, 12)),
+    "factored: as printed": lambda: factors(True, False, (8, 1, 32, 12), (3, 1)),
+    "factored: views of all azimuths": lambda: factors(True, True, (8, 8, 32, 12)),
+    "factored: by the light": lambda: factors(False, True, (8, 1, 16, 24)),
+}
+
+
+@pytest.fixture(params=sorted({*registry.strategies(), *FACTORED}), scope="module")
 def strategy(request):
-    given = Given(LIGHT, GRID, TABLE, PARAMETERS.get(request.param, {}))
-    (made,) = registry.make([request.param], given)
+    name = request.param.split(":")[0]
+    make = FACTORED.get(request.param)
+    parameters = make() if make else PARAMETERS.get(name, {})
+    (made,) = registry.make([name], Given(LIGHT, GRID, TABLE, parameters))
     return made
 
 

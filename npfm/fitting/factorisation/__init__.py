@@ -1,0 +1,1 @@
+"""Factorisations of reflectance that can be sampled (Lawrence et al. 2004)."""
