@@ -35,6 +35,7 @@ VERBS = {
     "reproduction": "put the paper's claims to the tables of a run, as a page of Markdown",
     "effects-cost": "what effects cost and change, switched off and on",
     "accuracy-cost": "tables of what accuracy costs in time",
+    "importance": "how noisy a material is in a light, by the way directions are chosen",
     "power-iterations": "tables of what power iterations find, and how well and fast",
     "stability": "fit hard inputs, and gather how that went",
 }

@@ -275,6 +275,10 @@ def check(config: Mapping[str, Any]) -> Run:
     if scene is not None and scene not in config["scenes"]:
         hint = suggest(scene, config["scenes"])
         raise NpfmError(f"config: accuracy_cost/scene: unknown scene '{scene}'; {hint}")
+    for name in config["importance"].get("lights", []):
+        if name not in config["lights"]:
+            hint = suggest(name, config["lights"])
+            raise NpfmError(f"config: importance/lights: unknown light '{name}'; {hint}")
     materials = datasets.chosen(config)
     grid = datasets.grid(config, materials)
     for name, variant in named.items():

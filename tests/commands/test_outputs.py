@@ -63,6 +63,13 @@ CALLS = {
         "a.csv",
         "a.exr",
     ),
+    "importance measure": (
+        "{made}/chalk.binary --light {made}/grove.exr --ways cosine light+half-vector"
+        " --resolution 4 --points 1 --samples 4 --repetitions 2"
+        " -o {out}/a.csv --images {out}/a.exr",
+        "a.csv",
+        "a.exr",
+    ),
     "accuracy-cost traces": ("--fits one={made} --materials chalk -o {out}/a.csv", "a.csv"),
 }
 

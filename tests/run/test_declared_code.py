@@ -31,6 +31,8 @@ def models(*names):
     return [registry.declared(name).module for name in names]
 
 
+#: Strategies that shared points are from, whatever the ways that are measured.
+SHARED = [f"npfm.rendering.sampling.{name}" for name in ("light", "half_vector")]
 #: By what a rule names: the modules that are chosen, and a call, in the folder of a run.
 CALLS = [
     ("material synthetic", [], "material --synthetic chalk -o x.binary"),
@@ -104,6 +106,12 @@ CALLS = [
         models("naive"),
         "effects-cost compare scenes/A --tables chalk.binary --fits fits/naive/chalk.npz"
         " -o x.csv --pictures y.exr",
+    ),
+    (
+        "importance measure",
+        ["npfm.rendering.sampling.cosine", *SHARED],
+        "importance measure chalk.binary --light lights/grove.exr --ways cosine --resolution 4"
+        " --points 1 --samples 4 --repetitions 2 -o x.csv --images x.exr",
     ),
     ("power-iterations timing", [], "power-iterations timing --repeats 1 -o x.csv"),
     ("edit", models("power-iteration"), "edit power.npz --roughness 2 -o x.npz"),

@@ -40,6 +40,13 @@ CONFIG = {
         "samples": [2, 4],
         "reference_samples": 16,
     },
+    "importance": {
+        "materials": ["chalk", "no-such"],
+        "resolution": 6,
+        "points": 16,
+        "samples": [4, 8],
+        "repetitions": 2,
+    },
     "stability": {"starts": 1, "awls_iterations": 2},
 }
 

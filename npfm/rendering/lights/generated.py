@@ -1,14 +1,17 @@
-"""Four lights that the project makes itself, with the character of the paper's four.
+"""Lights that the project makes itself: four with the character of the paper's four, and none.
 
-Each is a small ray-cast place seen from one point (`npfm.rendering.lights.places`); it is meant to
-look right, not to be right: lamps cast no shadows. Medians, means and largest values follow the
-real probes, times `GAIN` for all but the house, because the paper shows its other three pictures at
-an exposure of 0.02 and the Ennis house, which it calls darker, at an exposure of 1.
+The constant light is 1 from everywhere. Each of the four is a small ray-cast place seen from one
+point (`npfm.rendering.lights.places`); it is meant to look right, not to be right: lamps cast no
+shadows. Medians, means and largest values follow the real probes, times `GAIN` for all but the
+house, because the paper shows its other three pictures at an exposure of 0.02 and the Ennis house,
+which it calls darker, at an exposure of 1.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from types import MappingProxyType
+
+import numpy as np
 
 from npfm.errors import NpfmError, suggest
 from npfm.rendering.lights.environment import Environment, tabulate
@@ -51,12 +54,17 @@ def _make(place: Callable[[Array], Array], gain: float, height: int) -> Environm
     return Environment(gain * radiance)
 
 
+def _constant(height: int) -> Environment:
+    return Environment(np.ones((height, 2 * height, 3)))
+
+
 #: The lights by name, each a function of the height of the map.
-LIGHTS = MappingProxyType(
+LIGHTS: Mapping[str, Callable[[int], Environment]] = MappingProxyType(
     {
         "cathedral": partial(_make, cathedral.radiance, GAIN),
         "house": partial(_make, house.radiance, 1.0),
         "grove": partial(_make, grove.radiance, GAIN),
         "basilica": partial(_make, basilica.radiance, GAIN),
+        "constant": _constant,
     }
 )

@@ -28,8 +28,9 @@ def quantile(light, fraction: float) -> float:
     return luminance[order][np.searchsorted(share, fraction * share[-1])]
 
 
-def test_there_are_four_lights_of_the_wanted_size(lights):
-    assert list(lights) == ["cathedral", "house", "grove", "basilica"]
+def test_there_are_four_places_and_no_place_of_the_wanted_size(lights):
+    assert list(lights) == ["cathedral", "house", "grove", "basilica", "constant"]
+    assert (lights["constant"].radiance == 1).all()
     for light in lights.values():
         assert light.radiance.shape == (64, 128, 3)
 

@@ -1,0 +1,127 @@
+"""What the target `importance` measures beside a run: ways of sampling, materials and lights."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from npfm.papers import lawrence2004
+from npfm.rendering.sampling import registry
+from npfm.run.config import Run, check
+from npfm.run.datasets import available
+from npfm.run.words import option
+
+#: The light of the paper's Table 2, where a run has it.
+CONSTANT = "constant"
+#: What strategies follow that need a fit: a model, after which the recipe is called.
+FOLLOWED = {
+    "quantiles": "power-iteration",
+    "visible-slopes": "power-iteration",
+    "normal-distribution": "shared-lobes",
+}
+#: Estimators by several strategies: the renderer's, and the first paper's (Bagher et al. 2016,
+#: appendix "Rendering Details").
+COMBINED = ("light+half-vector", "per-view+light+uniform^2")
+#: How many materials count if the dataset has none of those that the configuration names, and how
+#: many are shown by themselves.
+MOST_MATERIALS, MOST_SHOWN = 6, 2
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What the target makes.
+
+    Parameters
+    ----------
+    run : Run
+    study : Run
+        The same run with the materials that are measured, and the models that are followed.
+    """
+
+    run: Run
+    study: Run
+
+    @property
+    def folder(self) -> str:
+        """Where all of it goes but tables and figures."""
+        return f"{self.run.folder}/importance"
+
+    @property
+    def materials(self) -> tuple[str, ...]:
+        """Names of the materials, sorted; the run need not have them."""
+        return self.study.materials
+
+    @property
+    def lights(self) -> list[str]:
+        """Names of the lights."""
+        asked = self.run.config["importance"].get("lights")
+        if asked is not None:
+            return list(asked)
+        own = self.run.config["scenes"][self.run.scenes[0]]["light"]
+        return [
+            name for name in dict.fromkeys([CONSTANT, own]) if name in self.run.config["lights"]
+        ]
+
+    @property
+    def ways(self) -> list[str]:
+        """Arguments of ``npfm importance measure`` that name the ways."""
+        return [*_strategies(), *COMBINED]
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """Modules of the strategies."""
+        return registry.modules(registry.strategies())
+
+    def fit(self, variant: str, material: str) -> str:
+        """A fit of the study: the run's, if that has it."""
+        ours, theirs = self.study.variants[variant], self.run.variants.get(variant)
+        known = ours == theirs and material in self.run.materials
+        home = self.run.folder if known else self.folder
+        return f"{home}/fits/{variant}/{material}.npz"
+
+    def fits(self, material: str) -> list[str]:
+        """Fits that strategies follow."""
+        return [self.fit(variant, material) for variant in self.study.variants]
+
+    def parameters(self, material: str) -> list[str]:
+        """Arguments of ``npfm importance measure`` that say which strategy follows which fit."""
+        return [f"{name}/{model}={self.fit(model, material)}" for name, model in FOLLOWED.items()]
+
+    @property
+    def effort_options(self) -> list[str]:
+        """Arguments of ``npfm importance measure`` that say how well it looks."""
+        asked = self.run.config["importance"]
+        return [
+            *option("--ways", self.ways),
+            *("--resolution", f"{asked['resolution']}"),
+            *("--points", f"{asked['points']}"),
+            *("--repetitions", f"{asked['repetitions']}"),
+            *option("--samples", map(str, asked["samples"])),
+        ]
+
+    @property
+    def shown(self) -> list[str]:
+        """Materials that are shown by themselves: the paper's where there are any."""
+        theirs = [name for name in lawrence2004.MATERIALS if name in self.materials]
+        return (theirs or list(self.materials))[:MOST_SHOWN]
+
+
+def _strategies() -> Iterator[str]:
+    """All strategies that can be made, each by itself."""
+    for name, declared in registry.strategies().items():
+        if name in FOLLOWED:
+            yield f"{name}/{FOLLOWED[name]}"
+        elif "parameters" not in declared.needs:
+            yield name
+
+
+def plan(run: Run) -> Plan:
+    """Work out what to measure."""
+    known = set(available(run.config))
+    wanted = [name for name in run.config["importance"]["materials"] if name in known]
+    dataset = run.config["dataset"] | {"materials": wanted or run.materials[:MOST_MATERIALS]}
+    entries = {name: name for name in FOLLOWED.values()}
+    for entry in run.config["variants"]:
+        name = entry if isinstance(entry, str) else entry["name"]
+        if name in entries:
+            entries[name] = entry
+    changes = {"dataset": dataset, "variants": list(entries.values())}
+    return Plan(run, check({**run.config, **changes}))

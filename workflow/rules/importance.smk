@@ -1,0 +1,77 @@
+from npfm.run.importance import plan as plan_importance
+
+IMPORTANCE = plan_importance(RUN)
+
+
+localrules:
+    importance_table,
+    importance_figure,
+
+
+use rule fit as importance_fit with:
+    input:
+        table=rules.material.output,
+    output:
+        fit=f"{IMPORTANCE.folder}/fits/{{variant}}/{{material}}.npz",
+        record=f"{IMPORTANCE.folder}/fits/{{variant}}/{{material}}.json",
+    log:
+        f"{OUT}/logs/importance/fits/{{variant}}/{{material}}.log",
+    params:
+        code=lambda wildcards: IMPORTANCE.study.fit_code(wildcards.variant),
+        options=lambda wildcards: IMPORTANCE.study.variants[wildcards.variant].options,
+
+
+use rule npfm as importance_measure with:
+    input:
+        table=rules.material.output,
+        light=rules.light.output,
+        fits=lambda wildcards: IMPORTANCE.fits(wildcards.material),
+    output:
+        table=f"{IMPORTANCE.folder}/{{light}}/{{material}}.csv",
+        images=f"{IMPORTANCE.folder}/{{light}}/{{material}}.exr",
+    log:
+        f"{OUT}/logs/importance/{{light}}/{{material}}.log",
+    wildcard_constraints:
+        light=any_of(IMPORTANCE.lights),
+        material=any_of(IMPORTANCE.materials),
+    resources:
+        mem_mb=1500,
+        runtime=20,
+    params:
+        verb="importance measure",
+        code=command_code("importance measure", *IMPORTANCE.modules),
+        files=lambda wildcards, input, output: [
+            *(*input.table, "--light", *input.light),
+            *("-o", output.table, "--images", output.images),
+        ],
+        options=lambda wildcards: [
+            *IMPORTANCE.effort_options,
+            *option("--parameters", IMPORTANCE.parameters(wildcards.material)),
+        ],
+
+
+use rule npfm as importance_table with:
+    input:
+        expand(
+            rules.importance_measure.output.table,
+            light=IMPORTANCE.lights,
+            material=IMPORTANCE.materials,
+        ),
+    output:
+        report(
+            f"{OUT}/tables/variance.csv",
+            caption="../report/importance.rst",
+            category="Importance sampling",
+            labels={"result": "variance"},
+        ),
+    log:
+        f"{OUT}/logs/importance/table.log",
+    params:
+        verb="importance table",
+        code=command_code("importance table"),
+        files=lambda wildcards, input, output: [*words(input), "-o", *output],
+
+
+rule importance:
+    input:
+        rules.importance_table.output,
