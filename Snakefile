@@ -43,6 +43,7 @@ include: "workflow/rules/pictures.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/paper_figures.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/fidelity.smk"
 include: "workflow/rules/reproduction.smk"
 include: "workflow/rules/stability.smk"
 
@@ -60,3 +61,4 @@ rule all:
     input:
         rules.tables.input,
         rules.figures.input,
+        rules.fidelity.input if RUN.grid.anisotropic else [],

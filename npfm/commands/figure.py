@@ -38,6 +38,7 @@ FIGURES = {
     "figure14": "error of the radiance at every pixel, as a share of the largest of ours",
     "figure15": "pictures of fits to the full and to a restricted range of angles, with PSNR (dB)",
     "figure16": "the texture of npfm texture, each parameter by its logarithm",
+    "fidelity": "PSNR (dB) of every material's pictures and table, by two peaks",
     "page": "pictures of one material, measured and fitted, one row a scene",
     "convergence": "objective against seconds, every start by both solvers",
     "pareto": "mean PSNR (dB) against mean seconds of a fit, and against its bytes",

@@ -22,6 +22,8 @@ CODE = (
 )
 #: Columns of text that claims need of the table of fits.
 FITS = ["material", "variant", "status"]
+#: Columns of text and of numbers that they need of the table of fidelity.
+FIDELITY = (["material", "variant"], ["rendering_db", "rendering_8_bit_db"])
 EXAMPLE = """\
 example:
   python -m npfm reproduction --run results/neural-10 --dataset neural \\
@@ -43,6 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--materials", help="CSV made by npfm tables materials")
     add("--weighting", help="CSV made by npfm tables psnr, with and without compressive weight")
     add("--fits", help="CSV made by npfm tables fits")
+    add("--fidelity", help="CSV made by npfm tables fidelity")
     add("--published", help="CSV made by npfm tables published")
     add("--figures", nargs="*", default=[], help="figures (.png) to show beside the claims")
     add("-o", "--output", type=output(page.PAGE), required=True, help="Markdown file to write")
@@ -73,5 +76,6 @@ def _evidence(a: argparse.Namespace) -> Evidence:
         starts=starts(a.run, ours["material"].unique()),
         weighting=tables.read_psnr(a.weighting) if a.weighting else None,
         fits=tables.read(a.fits, FITS, ["seconds"]) if a.fits else None,
+        fidelity=tables.read(a.fidelity, *FIDELITY) if a.fidelity else None,
         worst=[row.material for row in figure10.worst(a.run, rows, "independent-g")],
     )

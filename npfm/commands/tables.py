@@ -1,10 +1,12 @@
 """``npfm tables``."""
 
 import argparse
+from pathlib import Path
 
 import pandas as pd
 
 from npfm.commands.outputs import output
+from npfm.errors import NpfmError
 from npfm.evaluation import tables
 from npfm.papers import bagher2016
 from npfm.papers.table1 import table1
@@ -23,6 +25,7 @@ CODE_OF_KIND = {
         "npfm.papers.authors_distance",
         "npfm.papers.authors_factors",
     ),
+    "fidelity": ("npfm.commands.sources", "npfm.evaluation.fidelity"),
 }
 #: What each table holds, and what it is made from.
 KINDS = {
@@ -46,6 +49,10 @@ KINDS = {
         "objective and distance of the factors that the paper's authors published, and of our fits",
         ("run", "materials", "factors"),
     ),
+    "fidelity": (
+        "PSNR in dB of pictures and of tables, by two peaks: Figure 4 of Peng et al. 2017",
+        ("run", "psnr", "measured"),
+    ),
     "table1": ("seconds and counts of our fits, beside the paper's Table I", ("fits",)),
 }
 #: How each of those is declared, and a value for the example.
@@ -55,6 +62,7 @@ SOURCES = {
     "materials": ({"nargs": "+", "help": "the materials that count, in order"}, "chrome felt"),
     "variants": ({"nargs": "+", "help": "the variants that count, in order"}, "naive bivariate"),
     "psnr": ({"help": "CSV made by npfm tables psnr; what it lists counts"}, "psnr.csv"),
+    "measured": ({"nargs": "+", "help": "tables of the materials"}, "satin.bin twill.bin"),
     "fits": ({"help": "CSV made by npfm tables fits"}, "fits.csv"),
     "factors": ({"help": "published factors (.npz); docs/data.md"}, "npf_reference.npz"),
 }
@@ -103,6 +111,8 @@ def run(arguments: argparse.Namespace) -> None:
             table = tables.summary(psnr, sizes, bagher2016.MEAN_PSNR_DB)
         case "published":
             table = _published(a)
+        case "fidelity":
+            table = _fidelity(a)
         case "table1":
             text, numbers = ["material", "variant"], ["seconds", "iterations", "gss_calls"]
             table = table1(tables.read(a.fits, text, numbers))
@@ -126,6 +136,18 @@ def _published(a: argparse.Namespace) -> pd.DataFrame:
         if name in published
     ]
     return pd.concat(found) if found else pd.DataFrame(columns=authors_distance.COLUMNS)
+
+
+def _fidelity(a: argparse.Namespace) -> pd.DataFrame:
+    """Compare the tables and the pictures of the materials that the table of PSNR lists."""
+    from npfm.commands.sources import table
+    from npfm.evaluation.fidelity import fidelity
+
+    psnr = tables.read_psnr(a.psnr)
+    measured = {Path(path).stem: path for path in a.measured}
+    if missing := sorted(set(psnr["material"]) - measured.keys()):
+        raise NpfmError(f"{a.psnr}: no table of {missing[0]}; name its file after --measured")
+    return fidelity(a.run, psnr, measured, table)
 
 
 def _example(kind: str) -> str:

@@ -8,6 +8,10 @@ BACKSCATTER_ERROR = {0.01: 0.03, 0.02: 0.004, 0.05: 0.002, 0.15: 0.0005}
 TABLE_1_NODES, MERL_NODES = 360, 90
 #: Seconds that a fit of an isotropic material takes at most, on a 2.4 GHz Core i5 (section 5.4).
 SECONDS = 1.0
+#: And that a fit of an anisotropic material takes (section 5.4).
+ANISOTROPIC_SECONDS = 20.0
+#: A material of the UTIA database whose albedo depends on direction, which is lost (section 5.3).
+DIRECTIONAL_ALBEDO = "fabric106"
 #: Materials on which the fits of the shifted-gamma model failed (section 5.3).
 SHIFTED_GAMMA_FAILS = ("two-layer-gold", "color-changing-paint1")
 #: One that this method fits worse than the two it is compared with (Figure 6).

@@ -56,6 +56,8 @@ class Evidence:
         Materials, those that independent-g shows most visibly wrong first.
     fits : DataFrame, optional
         Columns material, variant, seconds and status, a row each channel.
+    fidelity : DataFrame, optional
+        As `npfm.evaluation.fidelity` makes it.
     """
 
     psnr: pd.DataFrame
@@ -65,6 +67,7 @@ class Evidence:
     weighting: pd.DataFrame | None = None
     worst: Sequence[str] = ()
     fits: pd.DataFrame | None = None
+    fidelity: pd.DataFrame | None = None
 
     def variant(self, model: str) -> str:
         """Name under which the run has a model of the paper.

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from npfm.papers import bagher2016, dupuy2015, peng2017
-from npfm.papers.claims import TOPICS, Claim, Topic
+from npfm.papers import bagher2016, claims, claims_anisotropic, dupuy2015, peng2017
+from npfm.papers.claims import Claim, Topic
 from npfm.papers.evidence import Evidence, Untestable
 from npfm.storage.files import Kind, marked, replacing
 
@@ -27,7 +27,14 @@ TABLES = {
         "**The materials are made by formulas.** What the paper found on measured ones need not "
         "hold on them."
     ),
+    "utia": "The tables are those of the files that the run names, taken for the UTIA database's.",
+    "synthetic-anisotropic": (
+        "**The materials are made by formulas.** The UTIA database (Filip and Vavra 2014), of "
+        "which the papers speak, cannot be had here; a run of its files puts their claims to it."
+    ),
 }
+#: The kinds whose materials are anisotropic: claims about isotropic ones are not of them.
+ANISOTROPIC = ("utia", "synthetic-anisotropic")
 
 
 def write(
@@ -53,16 +60,16 @@ def write(
     distance : DataFrame, optional
         As `npfm.papers.authors_distance.distance` makes it, several materials together.
     """
+    topics = claims_anisotropic.TOPICS if dataset in ANISOTROPIC else claims.TOPICS
     found = [
-        (topic, [(claim, *judged(claim, evidence)) for claim in topic.claims]) for topic in TOPICS
+        (topic, [(claim, *judged(claim, evidence)) for claim in topic.claims]) for topic in topics
     ]
     counts = Counter(verdict for _, rows in found for _, _, verdict, _ in rows)
     blocks = [
         f"{TITLE} `{name}`",
-        f"The claims of {bagher2016.SOURCE}, and at the end those of {peng2017.SOURCE} and of "
-        f"{dupuy2015.SOURCE}, one by one, beside what this run says. Written by "
+        f"{_whose(dataset)}, one by one, beside what this run says. Written by "
         "`snakemake reproduction` from the run's tables; not to be edited.",
-        _tally(evidence, counts),
+        _tally(evidence, counts, dataset),
         TABLES[dataset],
         *([_distance(distance)] if distance is not None and not distance.empty else []),
         *(_topic(k, topic, rows, figures) for k, (topic, rows) in enumerate(found, start=1)),
@@ -88,13 +95,24 @@ def judged(claim: Claim, evidence: Evidence) -> tuple[str, str, str]:
     return finding.ours, DIFFERS, finding.difference
 
 
-def _tally(evidence: Evidence, counts: Counter) -> str:
+def _whose(dataset: str) -> str:
+    """Whose claims are on the page, and which of them."""
+    if dataset in ANISOTROPIC:
+        return f"What {peng2017.SOURCE} and {dupuy2015.SOURCE} claim of anisotropic materials"
+    return (
+        f"The claims of {bagher2016.SOURCE}, and at the end those of {peng2017.SOURCE} and of "
+        f"{dupuy2015.SOURCE}"
+    )
+
+
+def _tally(evidence: Evidence, counts: Counter, dataset: str) -> str:
     materials = evidence.psnr["material"].nunique()
     scenes = evidence.psnr["scene"].nunique()
+    papers = "" if dataset in ANISOTROPIC else "; the paper has 100 and 4"
     return (
         f"Of {counts.total()} claims {counts[HOLDS]} hold, {counts[DIFFERS]} differ and "
         f"{counts[UNTESTABLE]} cannot be tested here. The run has {materials} materials and "
-        f"{scenes} scenes; the paper has 100 and 4. Where the paper gives no measure, the one used "
+        f"{scenes} scenes{papers}. Where the paper gives no measure, the one used "
         "is in brackets; an average holds within 2 dB, what the paper calls a tie, and a share "
         "within 5 points."
     )

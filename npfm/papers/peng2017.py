@@ -13,3 +13,7 @@ MUCH_BETTER = "silver-metallic-paint"
 HARDLY_BETTER = ("violet-acrylic", "nylon")
 #: Materials whose factors it shows (Figure 5).
 FACTORS = ("aluminium", "violet-acrylic", "polyurethane-foam")
+#: Mean PSNR in dB of the pictures of the UTIA database's materials, by a peak that is not told; how
+#: many of its 150 materials are below 100 dB; and values of a fit (sections 2.2 and 3.2).
+RENDERING_DB, FEW_DB, BELOW, UTIA_MATERIALS = 106.80, 100, 8, 150
+ANISOTROPIC_PARAMETERS = 2010

@@ -79,6 +79,11 @@ CALLS = [
     ("tables materials", [], "tables materials --run . --materials chalk -o x.csv"),
     ("tables summary", [], "tables summary --run . --psnr psnr.csv -o x.csv"),
     ("tables table1", [], "tables table1 --fits fits.csv -o x.csv"),
+    (
+        "tables fidelity",
+        models("naive"),
+        "tables fidelity --run . --psnr psnr.csv --measured chalk.binary -o x.csv",
+    ),
     ("figure", ["npfm.figures.figure04"], "figure figure04 -o x.pdf"),
     (
         "figure",

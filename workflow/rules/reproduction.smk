@@ -4,6 +4,8 @@ CLAIMED = {
     "summary": rules.summary_table.output,
     "fits": rules.fits_table.output,
 }
+if RUN.grid.anisotropic:
+    CLAIMED["fidelity"] = rules.fidelity_table.output
 if "naive" in RUN.variants:
     CLAIMED["materials"] = rules.materials_table.output
 if WEIGHTING.columns:
@@ -54,6 +56,7 @@ use rule npfm as reproduction with:
         figures=[
             *expand(f"{OUT}/figures/figure08_by_{{order}}.png", order=RUN.orders),
             *expand(f"{OUT}/figures/{{figure}}.png", figure=DRAWN),
+            *([rules.fidelity_figure.output.png] if RUN.grid.anisotropic else []),
         ],
     output:
         f"{OUT}/reproduction.md",
