@@ -202,7 +202,7 @@ def _fit_together(
     form: Form, goal: Goal, samples: Sequence[Samples]
 ) -> tuple[dict[str, NDArray], list[Trace]]:
     """Fit channels that share a shape; the traces' seconds are those of one channel."""
-    coarse, fine = (_Problem(form, goal, _thinned(goal, count)) for count in (COARSE, form.samples))
+    coarse, fine = (_Problem(form, goal, thinned(goal, count)) for count in (COARSE, form.samples))
     results, traces = {}, {}
     for name, vector in form.starts.items():
         began = time.process_time()
@@ -214,7 +214,7 @@ def _fit_together(
     final = fine.minimise(fine.start(shape), FINE_EVALUATIONS)
     runs = [_trace(best, fine, [results[best], final], began)]
     runs += [trace for name, trace in traces.items() if name != best]
-    whole = _Problem(form, goal, _thinned(goal, goal.grid.size))
+    whole = _Problem(form, goal, thinned(goal, goal.grid.size))
     # Of a logarithm they are not the solution of a linear problem, and stay what the search found.
     x = final.x if goal.logarithmic else whole.start(final.x[2 * len(goal.scale) :])
     return _parameters(whole, x, samples), runs
@@ -228,7 +228,7 @@ def _trace(name: str, problem: _Problem, results: Sequence[_End], began: float) 
     return Trace(name, status, iterations, 0, (seconds,), (share,))
 
 
-def _thinned(goal: Goal, count: int) -> NDArray[np.int64]:
+def thinned(goal: Goal, count: int) -> NDArray[np.int64]:
     """Flat indices of about so many samples; of all, if some channel would be left with none.
 
     Every n-th bin of phi_d in each row of a theta_h and a theta_d, n being any number, and from

@@ -9,8 +9,8 @@ In the recipe ``improved`` the distributions of the half vector are cut at the l
 `npfm.rendering.sampling.half_vector`, beyond which the light is below the horizon: no sample is
 lost. In the recipe ``paper`` such samples count as 0, as there.
 
-Directions as a Lambertian surface reflects them are a term as well, with the share of rho_d, and of
-no less than `LEAST_COSINE`: the paper has none, and where factors are 0 the mean would be wrong.
+Directions as a Lambertian surface reflects them are a term as well (`shares`): the paper has none,
+and where factors are 0 the mean would be wrong.
 """
 
 import numpy as np
@@ -20,6 +20,7 @@ from npfm.errors import NpfmError
 from npfm.reflectance.factored import HALF_PI, TWO_PI, Factors, read
 from npfm.rendering.sampling.facets import drawn, reflected
 from npfm.rendering.sampling.half_vector import azimuth_limit
+from npfm.rendering.sampling.shares import with_cosine
 from npfm.rendering.sampling.strategy import Given
 from npfm.rendering.shading import Shading
 
@@ -28,8 +29,6 @@ NEEDS = ("parameters",)
 
 Array = NDArray[np.float64]
 
-#: Smallest share of directions in proportion to the cosine.
-LEAST_COSINE = 0.05
 #: Smallest azimuth in radians that is left at the rim of the range, where there is none.
 LEAST_AZIMUTH = 1e-4
 #: Share of directions spread evenly in each distribution, so that all of it can be inverted.
@@ -121,12 +120,7 @@ class FactoredSampling:
         heights = np.cos(self.angles.edges)
         reach = np.stack([np.interp(-np.cos(limit), -heights, U) for U in self.cumulative[0]], 1)
         terms = self.angles.of_view(self.terms, theta_o, phi_o).T * reach
-        rest = terms.sum(axis=1)
-        shares = terms / np.maximum(rest, np.finfo(float).tiny)[:, None]
-        total = rest + self.diffuse
-        cosine = np.where(rest > 0, self.diffuse / np.where(rest > 0, total, 1), 1)
-        cosine = np.maximum(cosine, LEAST_COSINE)[:, None]
-        return np.concatenate([shares * (1 - cosine), cosine], axis=1), reach
+        return with_cosine(terms, self.diffuse), reach
 
     def _window(
         self, V: Array, theta_p: Array, theta_o: Array, phi_o: Array

@@ -12,7 +12,7 @@ from npfm.evaluation.stability import violations
 from npfm.fitting import registry
 from npfm.fitting.objective import Objective, channel_samples, evaluate
 from npfm.fitting.parametric.author_metrics import Goal
-from npfm.fitting.parametric.lobe_fits import COARSE, _thinned
+from npfm.fitting.parametric.lobe_fits import COARSE, thinned
 from npfm.reflectance.half_difference import HalfDifference
 
 
@@ -26,7 +26,7 @@ def test_the_samples_that_starts_are_compared_on_are_a_fair_part(bins):
     grid = HalfDifference(*bins)
     counts = grid.above_horizon
     kept = np.zeros(grid.shape, dtype=bool)
-    kept.flat[_thinned(goal(counts[None], grid), COARSE)] = True
+    kept.flat[thinned(goal(counts[None], grid), COARSE)] = True
     assert kept.sum() == pytest.approx(COARSE, rel=0.01)
     assert not (kept & ~counts).any()
     for others in ((1, 2), (0, 2), (0, 1)):
@@ -38,14 +38,14 @@ def test_the_samples_that_starts_are_compared_on_are_a_fair_part(bins):
 def test_few_samples_are_all_kept(grid):
     weight = np.zeros((3, *grid.shape))
     weight[:, 3, 4, 5:9] = 1.0
-    assert _thinned(goal(weight, grid), COARSE).tolist() == np.flatnonzero(weight[0]).tolist()
-    assert _thinned(goal(0 * weight, grid), COARSE).size == 0
+    assert thinned(goal(weight, grid), COARSE).tolist() == np.flatnonzero(weight[0]).tolist()
+    assert thinned(goal(0 * weight, grid), COARSE).size == 0
 
 
 def test_no_channel_is_left_without_a_sample(grid):
     weight = np.stack([np.ones(grid.shape), np.zeros(grid.shape)])
     weight[1, 0, 0, 1] = 1.0
-    assert weight[1].flat[_thinned(goal(weight, grid), 100)].any()
+    assert weight[1].flat[thinned(goal(weight, grid), 100)].any()
 
 
 @pytest.mark.parametrize("name", ["abc-ours", "ggx-fitted", "shifted-gamma"])

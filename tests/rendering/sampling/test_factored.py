@@ -9,7 +9,8 @@ from npfm.errors import NpfmError
 from npfm.fitting.factorisation.recipes import Recipe, factor
 from npfm.reflectance.factored import Angles, read, reflectance
 from npfm.rendering.lights.environment import LUMINANCE
-from npfm.rendering.sampling.factored import LEAST_COSINE, FactoredSampling
+from npfm.rendering.sampling.factored import FactoredSampling
+from npfm.rendering.sampling.shares import LEAST_COSINE
 from npfm.rendering.shading import Shading
 
 PAPER = Angles(True, False, (16, 16, 128, 16))

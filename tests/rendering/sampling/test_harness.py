@@ -25,6 +25,19 @@ FACETS = {"D": np.exp(-((GRID.theta_h[None] / 0.2) ** 2)) + 0.01}
 #: Two lobes that the channels share.
 LOBES = {"D": np.stack([np.exp(-((GRID.theta_h / w) ** 2)) + 1e-3 for w in (0.2, 0.6)])[None]}
 PARAMETERS: dict[str, dict[str, np.ndarray]] = {
+    "lafortune": {
+        "rho_d": np.full(3, 0.1),
+        "rho_s": np.tile([0.5, 0.3, 0.1], (3, 1)),
+        "n": np.array([[40.0, 5.0, 10.0]]),
+        "C_xy": np.array([[-1.0, -1.0, 1.0]]),
+        "C_z": np.array([[1.0, 0.8, 0.9]]),
+    },
+    "blinn-phong": {
+        "rho_d": np.full(3, 0.1),
+        "rho_s": np.tile([1.0, 0.2], (3, 1)),
+        "n": np.array([[50.0, 8.0]]),
+        "F_0": np.array([[0.1, 0.5]]),
+    },
     "quantiles": FACETS,
     "visible-slopes": FACETS,
     "normal-distribution": LOBES,
