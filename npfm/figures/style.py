@@ -89,6 +89,11 @@ LOOKS = {
     "ggx": Look("#117733", "8"),
     "ggx-fitted": Look("#117733", "H"),
     "beckmann": Look("#44AA99", "d"),
+    "ward": Look("#999933", "<"),
+    "ward-published": Look("#999933", "<", "--", filled=False),
+    "blinn-phong": Look("#332288", "P"),
+    "blinn-phong-published": Look("#332288", "P", "--", filled=False),
+    "lafortune-published": Look("#AA4499", "X", "--", filled=False),
     "cook-torrance": Look("#56B4E9", "h"),
     "cook-torrance-published": Look("#56B4E9", "h", "--", filled=False),
 }

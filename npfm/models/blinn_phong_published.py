@@ -1,0 +1,40 @@
+"""The fits of Blinn 1977 that Ngan et al. 2005 published (`npfm.fitting.parametric.ngan`)."""
+
+from npfm.datasets.parameter_files import DIFFUSE, Parameters
+from npfm.fitting.fits import Fit
+from npfm.fitting.objective import Objective
+from npfm.fitting.parametric import lobes, ngan
+from npfm.fitting.parametric.ngan import BLINN_PHONG as FORM
+from npfm.fitting.solvers.problem import Solver
+from npfm.reflectance.half_difference import HalfDifference
+from npfm.reflectance.table import Table
+
+NAME = "blinn-phong-published"
+COEFFICIENTS = ("rho_d", "rho_s")
+SHARED = ("n",)
+SOLVER = False
+OBJECTIVE = False
+PUBLISHED = {
+    "name": "ngan_blinnphong.fit",
+    "model": "NganBlinnPhong",
+    "shapes": {"albedo": (3,), "sharpness": ()},
+}
+
+
+def parameter_count(grid: HalfDifference) -> int:
+    """Number of values stored for a material, on whatever grid."""
+    return lobes.parameter_count(FORM)
+
+
+def fit(
+    table: Table, objective: Objective, solve: Solver, seed: int, *, published: Parameters
+) -> Fit:
+    """Take the published parameters as they are; see `ngan.published`."""
+    albedos = published[DIFFUSE], published["albedo"]
+    shape = {"n": published["sharpness"]}
+    return ngan.published(NAME, FORM, table, objective, albedos, shape)
+
+
+def tabulate(fit: Fit) -> Table:
+    """Values of a fit at every cell of its grid, in 1/sr."""
+    return lobes.tabulate(FORM, fit)
