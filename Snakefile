@@ -41,6 +41,7 @@ include: "workflow/rules/fits.smk"
 include: "workflow/rules/scenes.smk"
 include: "workflow/rules/pictures.smk"
 include: "workflow/rules/tables.smk"
+include: "workflow/rules/quality.smk"
 include: "workflow/rules/paper_figures.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/fidelity.smk"
@@ -60,5 +61,7 @@ rule all:
     default_target: True
     input:
         rules.tables.input,
+        rules.quality_table.output,
+        rules.quality_summary.output,
         rules.figures.input,
         rules.fidelity.input if RUN.grid.anisotropic else [],

@@ -67,7 +67,7 @@ def decibels_and_gaps(
     found = []
     for path in pictures:
         picture = read_exr(path)
-        _check_windows(reference, path)
+        check_windows(reference, path)
         try:
             found.append(psnr_or_gap(picture[..., :3], measured, foreground))
         except ValueError as error:
@@ -77,7 +77,7 @@ def decibels_and_gaps(
     return found
 
 
-def _check_windows(reference: str | Path, path: str | Path) -> None:
+def check_windows(reference: str | Path, path: str | Path) -> None:
     """Refuse a picture of another place, or with pixels where the reference has none."""
     for what, ours, theirs in zip(
         ("shows", "has the pixels"), windows(path), windows(reference), strict=True

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from matplotlib.image import imread
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.evaluation.comparison import read_reference
 from npfm.evaluation.metrics import delta_e
+from npfm.storage.pictures import read_png
 
 #: The variant that all others are compared with.
 MEASURED = "measured"
@@ -60,17 +60,11 @@ def mean_images(
 def _reference(folder: Path) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
     """Display values of a measurement, and where the objects are."""
     _, foreground = read_reference(folder / f"{MEASURED}.exr")
-    return _displayed(folder / f"{MEASURED}.png"), foreground
-
-
-def _displayed(path: Path) -> NDArray[np.uint8]:
-    if not path.is_file():
-        raise NpfmError(f"{path}: no such picture; make it with npfm render")
-    return np.rint(255 * imread(path)[..., :3]).astype(np.uint8)
+    return read_png(folder / f"{MEASURED}.png"), foreground
 
 
 def _difference(path: Path, measured: NDArray, foreground: NDArray) -> NDArray[np.float64]:
-    pixels = _displayed(path)
+    pixels = read_png(path)
     if pixels.shape != measured.shape:
         raise NpfmError(f"{path}: of another size than the measurement's picture; render it again")
     return np.where(foreground, delta_e(pixels, measured), np.nan)

@@ -12,9 +12,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
-from npfm.evaluation import tables
+from npfm.evaluation import quality, tables
+from npfm.evaluation.quality import Metric
 from npfm.figures import style
 
+PSNR = quality.METRICS["psnr"]
 REFERENCE_VARIANT = "independent-g"  # whose error sorts the materials in the paper
 #: What stands below the axis.
 ORDERS = {
@@ -31,7 +33,12 @@ POINTS = 72  # an inch
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the figure is made from."""
-    parser.add_argument("--psnr", required=True, help="CSV made by npfm tables psnr")
+    source = parser.add_mutually_exclusive_group(required=True)
+    source.add_argument("--psnr", help="CSV made by npfm tables psnr")
+    source.add_argument("--quality", help="CSV made by npfm quality gather, for --metric")
+    parser.add_argument(
+        "--metric", help=f"with --quality: which is drawn, {', '.join(quality.METRICS)}"
+    )
     parser.add_argument(
         "--order",
         required=True,
@@ -47,26 +54,42 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def make(arguments: argparse.Namespace) -> Figure:
     """Draw the figure from the tables that the arguments name."""
     a = arguments
-    psnr = tables.read_psnr(a.psnr)
+    values, metric = _values(a.psnr, a.quality, a.metric)
     if a.order == "diffuseness" and not a.materials:
         raise NpfmError("--order diffuseness needs --materials; make it with npfm tables materials")
     try:
         if a.order == "error":
-            order = by_error(psnr)
+            order = by_error(values, metric)
         else:
             materials = tables.read(a.materials, ["material"], ["diffuseness"])
-            order = by_diffuseness(psnr, materials)
+            order = by_diffuseness(values, materials)
     except NpfmError as error:
-        raise NpfmError(f"{a.materials or a.psnr}: {error}") from error
-    return draw(psnr, order, ORDERS[a.order], style.colors(a))
+        raise NpfmError(f"{a.materials or a.psnr or a.quality}: {error}") from error
+    return draw(values, order, ORDERS[a.order], style.colors(a), metric)
 
 
-def by_diffuseness(psnr: pd.DataFrame, materials: pd.DataFrame) -> list[str]:
+def _values(psnr: str | None, table: str | None, name: str | None) -> tuple[pd.DataFrame, Metric]:
+    """What is drawn, as scene, material, variant and value, and what it is."""
+    if psnr:
+        if name:
+            raise NpfmError("--metric needs --quality, not --psnr; make it with npfm quality")
+        return tables.read_psnr(psnr).rename(columns={"psnr_db": "value"}), PSNR
+    if not name:
+        raise NpfmError(f"--quality needs --metric; give one of {', '.join(quality.METRICS)}")
+    metric = quality.metric(name)
+    assert table is not None  # one of the two is required
+    try:
+        return quality.values_of(quality.read(table), name), metric
+    except NpfmError as error:
+        raise NpfmError(f"{table}: {error}") from error
+
+
+def by_diffuseness(values: pd.DataFrame, materials: pd.DataFrame) -> list[str]:
     """Sort the materials by increasing diffuseness.
 
     Parameters
     ----------
-    psnr, materials : DataFrame
+    values, materials : DataFrame
         Columns material, ...; and material, diffuseness.
 
     Raises
@@ -74,7 +97,7 @@ def by_diffuseness(psnr: pd.DataFrame, materials: pd.DataFrame) -> list[str]:
     NpfmError
         If the diffuseness of a material is not known.
     """
-    names = psnr["material"].unique()
+    names = values["material"].unique()
     if unknown := sorted(set(names) - set(materials["material"])):
         raise NpfmError(
             f"no diffuseness of {', '.join(unknown)}; give them to npfm tables materials as well"
@@ -83,8 +106,8 @@ def by_diffuseness(psnr: pd.DataFrame, materials: pd.DataFrame) -> list[str]:
     return list(ranked["material"])
 
 
-def by_error(psnr: pd.DataFrame) -> list[str]:
-    """Sort the materials by decreasing error, increasing mean PSNR, of independent-g.
+def by_error(values: pd.DataFrame, metric: Metric = PSNR) -> list[str]:
+    """Sort the materials by decreasing error, such as increasing mean PSNR, of independent-g.
 
     Materials without one come last, after those whose pictures are equal to the reference.
 
@@ -93,41 +116,46 @@ def by_error(psnr: pd.DataFrame) -> list[str]:
     NpfmError
         If independent-g is not in the table.
     """
-    if REFERENCE_VARIANT not in set(psnr["variant"]):
+    if REFERENCE_VARIANT not in set(values["variant"]):
         raise NpfmError(
-            f"no PSNR of {REFERENCE_VARIANT} to sort by; give it to npfm tables psnr as well"
+            f"no {metric.label} of {REFERENCE_VARIANT} to sort by; "
+            "give it to npfm tables psnr as well"
         )
-    mean = _panels(psnr)[0][REFERENCE_VARIANT]
-    return list(mean.sort_index().sort_values(kind="stable", na_position="last").index)
+    mean = _panels(values)[0][REFERENCE_VARIANT].sort_index()
+    best_last = metric.better == "higher"
+    return list(mean.sort_values(ascending=best_last, kind="stable", na_position="last").index)
 
 
 def draw(
-    psnr: pd.DataFrame,
+    values: pd.DataFrame,
     order: list[str],
     order_label: str,
     colors: Mapping[str, str] | None = None,
+    metric: Metric = PSNR,
 ) -> Figure:
-    """Draw PSNR over materials: the mean over the scenes, and below it every scene.
+    """Draw a metric over materials: the mean over the scenes, and below it every scene.
 
     What is missing or infinite is left out as a gap, and counted in the legend.
 
     Parameters
     ----------
-    psnr : DataFrame
-        Columns scene, material, variant, psnr_db.
+    values : DataFrame
+        Columns scene, material, variant, value.
     order : list of str
         Materials from left to right.
     order_label : str
         What that order is, for the axis.
     colors : mapping of str to str, optional
         Colours of variants, in place of the project's.
+    metric : Metric
+        What the values are.
     """
-    mean, scenes = _panels(psnr)
-    panels = {f"scene {name}": panel for name, panel in scenes.items()}
+    mean, scenes = _panels(values)
+    panels = {_title(name): panel for name, panel in scenes.items()}
     if len(panels) > 1:
         panels = {f"mean over the scenes {', '.join(scenes)}": mean, **panels}
     panels = {title: panel.reindex(order) for title, panel in panels.items()}
-    legend = [_legend_entry(values) for _, values in mean.reindex(order).items()]
+    legend = [_legend_entry(row, metric) for _, row in mean.reindex(order).items()]
     name_size = min(TEXT_SIZE, 0.9 * AXIS_WIDTH * POINTS / len(order))
     names_height = LETTER * name_size * max(map(len, order)) / POINTS
     columns = _legend_columns(legend)
@@ -135,12 +163,13 @@ def draw(
         figure, axes = _axes(len(panels), names_height, 1 + -(-len(legend) // columns))
         for ax, (title, panel) in zip(axes, panels.items(), strict=True):
             _draw_panel(ax, panel, title, style.looks(panel.columns, colors))
+            ax.set_ylabel(_axis_label(metric))
         axes[-1].set_xticks(range(len(order)), order, rotation=90, fontsize=name_size)
         axes[-1].set_xlabel(order_label)
         figure.legend(
             axes[0].get_lines(),
             legend,
-            title="variant: mean PSNR over the materials drawn",
+            title=f"variant: mean {metric.label} over the materials drawn",
             loc="outside upper center",
             ncols=columns,
             frameon=False,
@@ -148,15 +177,25 @@ def draw(
     return figure
 
 
-def _panels(psnr: pd.DataFrame) -> tuple[pd.DataFrame, Mapping[str, pd.DataFrame]]:
-    """PSNR by material and variant: the mean over the scenes, and each scene.
+def _title(scene: str) -> str:
+    return "every table" if scene == quality.ALL else f"scene {scene}"
+
+
+def _axis_label(metric: Metric) -> str:
+    said = [metric.unit] if metric.unit != "1" else []
+    said += ["lower is better"] if metric.better == "lower" else []
+    return f"{metric.label} ({', '.join(said)})" if said else metric.label
+
+
+def _panels(values: pd.DataFrame) -> tuple[pd.DataFrame, Mapping[str, pd.DataFrame]]:
+    """Values by material and variant: the mean over the scenes, and each scene.
 
     A mean is missing where the value of any scene is.
     """
-    variants = psnr["variant"].unique()
+    variants = values["variant"].unique()
     scenes = {
-        str(scene): rows.pivot(index="material", columns="variant", values="psnr_db")
-        for scene, rows in psnr.groupby("scene", sort=False)
+        str(scene): rows.pivot(index="material", columns="variant", values="value")
+        for scene, rows in values.groupby("scene", sort=False)
     }
     scenes = {scene: panel.reindex(columns=variants) for scene, panel in scenes.items()}
     return reduce(operator.add, scenes.values())[variants] / len(scenes), scenes
@@ -183,17 +222,17 @@ def _draw_panel(ax: Axes, panel: pd.DataFrame, title: str, looks: Mapping[str, s
             linestyle=look.linestyle,
         )
     ax.set_title(title, loc="left", pad=2)
-    ax.set_ylabel("PSNR (dB)")
     ax.margins(x=0.01)
     ax.grid(True)
     ax.set_axisbelow(True)
 
 
-def _legend_entry(values: pd.Series) -> str:
+def _legend_entry(values: pd.Series, metric: Metric) -> str:
     """Name, mean over what is drawn, and how many materials are not."""
     drawn = values[np.isfinite(values)]
     gaps = len(values) - len(drawn)
-    mean = f"{drawn.mean():.2f} dB" if len(drawn) else "nothing finite"
+    said = f"{drawn.mean():.2f} dB" if metric.unit == "dB" else f"{drawn.mean():.4g}"
+    mean = said if len(drawn) else "nothing finite"
     return f"{values.name}: {mean}" + (f", {gaps} gap{'s' * (gaps > 1)}" if gaps else "")
 
 

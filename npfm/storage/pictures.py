@@ -167,3 +167,21 @@ def write_png(path: str | Path, rgb: NDArray[np.uint8]) -> None:
     about.add_text("Software", SOFTWARE)
     with replacing(path, PNG) as temporary:
         Image.fromarray(rgb).save(temporary, format="PNG", pnginfo=about)
+
+
+def read_png(path: str | Path) -> NDArray[np.uint8]:
+    """Read the display values of a PNG file, shape (height, width, 3); row 0 is the top.
+
+    Raises
+    ------
+    NpfmError
+        If the file is absent or is no PNG picture.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise NpfmError(f"{path}: no such picture; make it with npfm render")
+    try:
+        with Image.open(path, formats=["PNG"]) as picture:
+            return np.asarray(picture.convert("RGB"))
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        raise NpfmError(f"{path}: not a PNG picture ({error}); make it with npfm render") from error

@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from npfm.__main__ import VERBS, main
-from npfm.evaluation import stability, tables
+from npfm.evaluation import quality, stability, tables
 from npfm.fitting import fits, registry
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective
@@ -51,6 +51,11 @@ CALLS = {
         "--run {made} --scenes A --materials chalk --variants bivariate -o {out}/a.csv",
         "a.csv",
     ),
+    "quality material": (
+        "{made}/chalk.binary --run {made} --scenes A --variants bivariate -o {out}/a.csv",
+        "a.csv",
+    ),
+    "quality gather": ("{made}/quality.csv -o {out}/a.csv", "a.csv"),
     "figure figure04": ("-o {out}/a.pdf {out}/a.png", "a.pdf", "a.png"),
     "reproduction": (
         "--run {made} --dataset synthetic --psnr {made}/psnr.csv --summary {made}/summary.csv"
@@ -98,6 +103,10 @@ def folder(tmp_path_factory, table):
     shapes = {"D": (3, 90), "F": (3, 90), "G": (3, 90), "rho_d": (3,), "rho_s": (3,)}
     parameters = {name: np.ones(shape, dtype=np.float32) for name, shape in shapes.items()}
     fits.save(made / "fits/independent-g/chalk.npz", Fit("independent-g", parameters, MERL))
+    (made / "fits/bivariate").mkdir()
+    os.link(made / "chalk.npz", made / "fits/bivariate/chalk.npz")
+    row = "all,chalk,ggx,logarithm,1,1,lower"
+    (made / "quality.csv").write_text(f"{','.join(quality.COLUMNS)}\n{row}\n")
     pictures = made / "renders/A/chalk"
     pictures.mkdir(parents=True)
     for suffix in (".exr", ".png"):

@@ -9,7 +9,7 @@ from PIL import Image
 
 from npfm.__main__ import main
 from npfm.errors import NpfmError
-from npfm.evaluation import tables
+from npfm.evaluation import quality, tables
 from npfm.figures import figure08, style
 
 MATERIALS = ["wood", "chrome", "felt"]
@@ -27,7 +27,7 @@ def long_table(values):
         for (scene, variant), column in values.items()
         for material, value in zip(MATERIALS, column, strict=True)
     ]
-    return pd.DataFrame(rows, columns=["scene", "material", "variant", "psnr_db"])
+    return pd.DataFrame(rows, columns=["scene", "material", "variant", "value"])
 
 
 def drawn(ax):
@@ -104,7 +104,7 @@ def test_a_hundred_names_do_not_touch_and_nothing_is_clipped():
     names = [f"specular-orange-phenolic-{i:02}" for i in range(100)]
     variants = [*style.LOOKS, *(f"another-variant-{i}" for i in range(9))]
     rows = [("A", m, v, 40.0 + i) for i, v in enumerate(variants) for m in names]
-    table = pd.DataFrame(rows, columns=["scene", "material", "variant", "psnr_db"])
+    table = pd.DataFrame(rows, columns=["scene", "material", "variant", "value"])
     figure = figure08.draw(table, names, "material")
     figure.draw_without_rendering()
     [ax] = figure.axes
@@ -148,7 +148,7 @@ def test_a_colour_of_the_users_takes_the_place_of_ours():
 
 def test_the_verb_draws_the_same_bytes_again(tmp_path, monkeypatch):
     psnr, materials = str(tmp_path / "psnr.csv"), str(tmp_path / "materials.csv")
-    tables.write(psnr, long_table(PSNR))
+    tables.write(psnr, long_table(PSNR).rename(columns={"value": "psnr_db"}))
     tables.write(materials, pd.DataFrame({"material": MATERIALS, "diffuseness": [0.5, 0.01, 3.0]}))
     outputs = [tmp_path / "figure08.pdf", tmp_path / "figure08.png"]
     call = ["figure", "figure08", "--psnr", psnr, "--materials", materials]
@@ -181,10 +181,50 @@ def test_the_verb_draws_the_same_bytes_again(tmp_path, monkeypatch):
 )
 def test_mistakes_are_told_in_one_line(tmp_path, options, message, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    tables.write("psnr.csv", long_table(PSNR))
+    tables.write("psnr.csv", long_table(PSNR).rename(columns={"value": "psnr_db"}))
     tables.write("known.csv", pd.DataFrame({"material": ["wood"], "diffuseness": [0.5]}))
     assert main(["figure", "figure08", "--psnr", "psnr.csv", *options]) == 1
     error = capsys.readouterr().err
     assert error.count("\n") == 1
     assert message in error
     assert {path.name for path in tmp_path.iterdir()} == {"psnr.csv", "known.csv"}
+
+
+def test_another_metric_has_its_label_and_its_best_side(tmp_path):
+    rows = [
+        ("all", material, variant, "logarithm", value, "1", "lower")
+        for variant in ("independent-g", "naive")
+        for material, value in zip(MATERIALS, (0.5, 0.125, 0.25), strict=True)
+    ]
+    table = pd.DataFrame(rows, columns=quality.COLUMNS)
+    tables.write(tmp_path / "quality.csv", table)
+    call = ["figure", "figure08", "--order", "error", "-o", str(tmp_path / "a.png")]
+    asked = ["--quality", str(tmp_path / "quality.csv"), "--metric", "logarithm"]
+    assert main([*call, *asked]) == 0
+    values = quality.values_of(table, "logarithm")
+    metric = quality.METRICS["logarithm"]
+    order = figure08.by_error(values, metric)
+    assert order == ["wood", "felt", "chrome"]
+    figure = figure08.draw(values, order, "material", metric=metric)
+    [ax] = figure.axes
+    assert drawn(ax)[0] == [0.5, 0.25, 0.125]
+    assert ax.get_ylabel() == "logarithms of tables (lower is better)"
+    assert legend(figure) == ["independent-g: 0.2917", "naive: 0.2917"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("--psnr {table} --metric ssim", "--metric needs --quality"),
+        ("--quality {table}", "--quality needs --metric"),
+        ("--quality {table} --metric ssmi", "unknown metric 'ssmi'; did you mean ssim?"),
+        ("--quality {table} --metric ssim", "no value of 'ssim'"),
+    ],
+)
+def test_a_metric_goes_with_its_table(tmp_path, capsys, words, message):
+    table = pd.DataFrame([("A", "felt", "naive", "hyab", 1.0, "1", "lower")])
+    tables.write(tmp_path / "table.csv", table.set_axis(list(quality.COLUMNS), axis=1))
+    call = f"figure figure08 --order error {words} -o {tmp_path}/a.png"
+    assert main(call.format(table=tmp_path / "table.csv").split()) == 1
+    said = capsys.readouterr().err
+    assert message in said and said.count("\n") == 1

@@ -84,6 +84,13 @@ CALLS = [
         models("naive"),
         "tables fidelity --run . --psnr psnr.csv --measured chalk.binary -o x.csv",
     ),
+    (
+        "quality material",
+        models("naive"),
+        "quality material chalk.binary --run . --scenes A --variants naive -o x.csv",
+    ),
+    ("quality gather", [], "quality gather quality.csv -o x.csv"),
+    ("quality summary", [], "quality summary quality.csv -o x.csv"),
     ("figure", ["npfm.figures.figure04"], "figure figure04 -o x.pdf"),
     (
         "figure",
@@ -149,6 +156,9 @@ def folder(tmp_path_factory):
         assert main(call.split()) == 0
     shutil.copy(folder / "materials/chalk.binary", folder)
     (folder / "x.fit").write_text(FIT)
+    columns = "scene,material,variant,metric,value,unit,better"
+    rows = (f"all,{name},ggx,logarithm,1,1,lower" for name in ("chalk", "slate"))
+    (folder / "quality.csv").write_text("\n".join([columns, *rows, ""]))
     columns = "case,variant,solver,status,finite,objective,objective_floor,condition,seconds"
     (folder / "stability.csv").write_text(f"{columns}\nblack,naive,awls,,True,0,0,1,1\n")
     return folder

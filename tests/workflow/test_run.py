@@ -3,6 +3,7 @@ import shutil
 
 import numpy as np
 
+from npfm.evaluation import quality
 from npfm.storage.pictures import read_exr
 
 
@@ -49,6 +50,25 @@ def test_a_run_makes_tables_with_the_promised_columns(finished):
     )
     sizes = {row["variant"]: int(row["bytes"]) for row in summary}
     assert sizes == {"bivariate": 97200, "naive": 4344, "old": 4344}
+
+
+def test_a_run_compares_by_every_metric(finished):
+    folder = finished.folder / "results" / "tiny" / "tables"
+    found = rows(folder / "quality.csv")
+    assert list(found[0]) == list(quality.COLUMNS)
+    assert len(found) == 2 * 1 * 3 * len(quality.PICTURES) + 1 * 3 * len(quality.TABLES)
+    psnr = {(r["scene"], r["variant"]): r["psnr_db"] for r in rows(folder / "psnr.csv")}
+    same = {(r["scene"], r["variant"]): r["value"] for r in found if r["metric"] == "psnr"}
+    assert same == psnr
+    # Pictures of 8 pixels are smaller than the window of SSIM; all else has a number.
+    assert {r["metric"] for r in found if not r["value"]} == {"ssim"}
+    summary = rows(folder / "quality_summary.csv")
+    assert list(summary[0]) == list(quality.SUMMARY)
+
+
+def test_figure_8_by_another_metric(finished):
+    name = "figures/figure08_hyab_by_diffuseness.png"
+    assert finished.planned(f"results/tiny/{name}") == {name, name.replace("png", "pdf")}
 
 
 def test_a_run_makes_figures_and_pictures(finished):

@@ -1,5 +1,9 @@
+from npfm.evaluation.quality import METRICS
+
+
 localrules:
     figure08,
+    figure08_by_metric,
     table1,
 
 
@@ -30,6 +34,33 @@ use rule npfm as figure08 with:
             *("-o", *output),
         ],
         options=lambda wildcards: ["--order", wildcards.order, *RUN.colors_option],
+
+
+# Figure 8 by any of the metrics, for whoever asks for the file.
+use rule figure08 as figure08_by_metric with:
+    input:
+        quality=rules.quality_table.output,
+        materials=lambda wildcards: (
+            rules.materials_table.output if wildcards.order == "diffuseness" else []
+        ),
+    output:
+        pdf=f"{OUT}/figures/figure08_{{metric}}_by_{{order}}.pdf",
+        png=f"{OUT}/figures/figure08_{{metric}}_by_{{order}}.png",
+    log:
+        f"{OUT}/logs/figures/figure08_{{metric}}_by_{{order}}.log",
+    wildcard_constraints:
+        order="diffuseness|error",
+        metric=any_of(METRICS),
+    params:
+        files=lambda wildcards, input, output: [
+            *("--quality", *input.quality),
+            *option("--materials", input.materials),
+            *("-o", *output),
+        ],
+        options=lambda wildcards: [
+            *("--metric", wildcards.metric, "--order", wildcards.order),
+            *RUN.colors_option,
+        ],
 
 
 use rule npfm as table1 with:
