@@ -11,6 +11,7 @@ import pytest
 
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
+from npfm.rendering.lights.environment import Environment, write
 
 ROOT = Path(__file__).parents[1]
 
@@ -22,6 +23,17 @@ def data() -> Path:
     if not folder.is_dir():
         pytest.skip(f"the real inputs are not at {folder}; set NPFM_DATA to their folder")
     return folder
+
+
+@pytest.fixture(scope="session")
+def light_file(tmp_path_factory) -> Path:
+    """A sky with a sun in it, as a lat-long EXR; those of `npfm.rendering.lights` take seconds."""
+    rng = np.random.default_rng(3)
+    radiance = rng.uniform(0.2, 1.0, (16, 32, 3))
+    radiance[4, 9] = (300.0, 250.0, 200.0)
+    path = tmp_path_factory.mktemp("light") / "sky.exr"
+    write(path, Environment(radiance))
+    return path
 
 
 @pytest.fixture(scope="session")

@@ -12,13 +12,13 @@ from npfm.storage.pictures import read_exr
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(tmp_path_factory, light_file):
     """A material, a fit of it, a light and a scene, each made by its verb."""
     folder = tmp_path_factory.mktemp("verbs")
     calls = [
         f"material --synthetic chalk -o {folder}/chalk.binary",
         f"fit {folder}/chalk.binary --model bivariate -o {folder}/chalk.npz",
-        f"light --generate grove --height 16 -o {folder}/grove.exr",
+        f"light {light_file} --layout lat-long --height 16 -o {folder}/grove.exr",
         f"scene --light {folder}/grove.exr --objects sphere --resolution 8 --samples 64"
         f" -o {folder}/scene",
         f"render {folder}/scene {folder}/chalk.binary -o {folder}/measured.exr",

@@ -33,7 +33,7 @@ CALLS = {
     ),
     "tabulate": ("{made}/chalk.npz -o {out}/a.binary", "a.binary"),
     "texture": ("{made}/fits/independent-g/chalk.npz -o {out}/a.exr", "a.exr"),
-    "light": ("--generate grove --height 8 -o {out}/a.exr", "a.exr"),
+    "light": ("{made}/grove.exr --layout lat-long --height 4 -o {out}/a.exr", "a.exr"),
     "scene": (
         "--light {made}/grove.exr --objects sphere --resolution 4 --samples 16"
         " --record {out}/a.json -o {out}/a",
@@ -84,14 +84,14 @@ def words(verb, folder, out):
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory, table):
+def folder(tmp_path_factory, table, light_file):
     """What verbs read, in ``made``; what each has written from it, in folders of their own."""
     folder = tmp_path_factory.mktemp("outputs")
     made = folder / "made"
     for call in [
         f"material --synthetic chalk -o {made}/chalk.binary",
         f"fit {made}/chalk.binary --model bivariate -o {made}/chalk.npz",
-        f"light --generate grove --height 8 -o {made}/grove.exr",
+        f"light {light_file} --layout lat-long --height 8 -o {made}/grove.exr",
         f"scene --light {made}/grove.exr --objects sphere --resolution 4 --samples 16"
         f" --record {made}/A.json -o {made}/A",
         f"render {made}/A {made}/chalk.binary -o {made}/measured.exr",

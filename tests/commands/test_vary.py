@@ -5,12 +5,11 @@ from npfm.__main__ import main
 from npfm.storage.pictures import read_exr
 
 
-def test_the_verb_takes_a_picture_for_texture_and_says_what_is_wrong(tmp_path, capsys):
+def test_the_verb_takes_a_picture_for_texture_and_says_what_is_wrong(tmp_path, light_file, capsys):
     calls = [
         f"material --synthetic chalk -o {tmp_path}/chalk.binary",
         f"material --synthetic mirror-metal -o {tmp_path}/metal.binary",
-        f"light --generate grove --height 16 -o {tmp_path}/light.exr",
-        f"scene --light {tmp_path}/light.exr --objects sphere --resolution 12 --samples 64"
+        f"scene --light {light_file} --objects sphere --resolution 12 --samples 64"
         f" -o {tmp_path}/scene",
         f"render {tmp_path}/scene {tmp_path}/metal.binary -o {tmp_path}/metal.exr",
     ]

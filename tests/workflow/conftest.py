@@ -1,3 +1,4 @@
+import fcntl
 import os
 import re
 import shutil
@@ -29,7 +30,8 @@ CONFIG = {
     "light_height": 16,
     "scenes": {
         "A": SCENE | {"light": "cathedral"},
-        "C": SCENE | {"light": "grove", "objects": ["figure", "sphere"], "effects": ["visibility"]},
+        "C": SCENE
+        | {"light": "cathedral", "objects": ["figure", "sphere"], "effects": ["visibility"]},
     },
     "resolution": 8,
     "accuracy_cost": {
@@ -106,12 +108,17 @@ def copied(folder: Path) -> Project:
 
 
 @pytest.fixture(scope="session")
-def finished(tmp_path_factory) -> Project:
-    """A tiny run that is complete; not to be edited."""
-    project = copied(tmp_path_factory.mktemp("finished"))
-    run = project.snakemake()
-    assert run.returncode == 0, run.stdout + run.stderr
-    return project
+def finished(tmp_path_factory, worker_id) -> Project:
+    """A tiny run that is complete; not to be edited. All workers of a session have the same."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base if worker_id == "master" else base.parent) / "finished"
+    with folder.with_suffix(".lock").open("a+") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not lock.tell():  # nobody has said that it is complete
+            run = copied(folder).snakemake()
+            assert run.returncode == 0, run.stdout + run.stderr
+            lock.write("complete")
+    return Project(folder)
 
 
 @pytest.fixture
@@ -124,5 +131,7 @@ def fresh(tmp_path) -> Project:
 def project(finished, tmp_path) -> Project:
     """A copy of the tiny run, complete, that a test may edit."""
     folder = tmp_path / "project"
-    shutil.copytree(finished.folder, folder, symlinks=True)
+    # Other workers may look at it, and leave a log of that.
+    ignore = shutil.ignore_patterns("*.snakemake.log")
+    shutil.copytree(finished.folder, folder, symlinks=True, ignore=ignore)
     return Project(folder)

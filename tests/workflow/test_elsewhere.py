@@ -17,7 +17,7 @@ def test_config_is_beside_the_snakefile_and_results_are_where_it_runs(fresh, tmp
     run = subprocess.run(
         [
             *(sys.executable, "-P", "-m", "snakemake", "--cores", "1"),
-            *("results/tiny/lights/grove.exr", *snakefile, *arguments),
+            *("results/tiny/materials/chalk.binary", *snakefile, *arguments),
         ],
         cwd=start,
         env=environment,
@@ -27,5 +27,5 @@ def test_config_is_beside_the_snakefile_and_results_are_where_it_runs(fresh, tmp
     assert run.returncode == 0, run.stdout + run.stderr
     assert "profiles/default" in run.stderr
     worked_in = start / arguments[-1] if arguments else start
-    assert (worked_in / "results/tiny/lights/grove.exr").is_file()
+    assert (worked_in / "results/tiny/materials/chalk.binary").is_file()
     assert not (fresh.folder / "results").exists()

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 import trimesh
 
+from npfm.errors import NpfmError
+from npfm.run.config import check
 from npfm.storage.pictures import write_exr
 
 #: A blank, an apostrophe, both kinds of braces' trouble, what a shell expands or ends a command at.
@@ -49,23 +51,36 @@ def test_files_of_the_user_may_have_any_path(fresh, finished):
     assert "fits/cook-torrance-published/chalk.npz" in project.planned("tables")
 
 
+def with_file(project, name):
+    """Changes of the configuration: a folder of tables that has a file of this name."""
+    brdfs = project.folder / "brdfs"
+    brdfs.mkdir()
+    (brdfs / f"{name}.binary").touch()
+    return {"data": "", "dataset": {"kind": "merl", "path": "brdfs", "materials": [name]}}
+
+
 @pytest.mark.parametrize(
     "name", ["Red Paint", "-red", "it's", "a$(touch X)", "{x}", "a;b", "a&b", "rot-grün", ".red"]
 )
-def test_a_file_that_names_no_material_is_refused_before_anything_runs(fresh, name):
-    brdfs = fresh.folder / "brdfs"
-    brdfs.mkdir()
-    (brdfs / f"{name}.binary").touch()
-    fresh.configure(
-        data="", dataset={"kind": "merl", "path": "brdfs", "materials": [name.replace("[", "?")]}
-    )
+def test_a_file_that_names_no_material_is_refused(fresh, monkeypatch, name):
+    changes = with_file(fresh, name)
+    monkeypatch.chdir(fresh.folder)
+    with pytest.raises(NpfmError) as refused:
+        check(fresh.config | changes)
+    said = str(refused.value)
+    if name.startswith("."):  # such files are still being written
+        assert "no material matches '.red'" in said
+    else:
+        assert "\n" not in said
+        assert said.startswith(f"config: the material {name!r}: a name is of A-Z")
+        assert said.endswith(f"rename {f'{name}.binary'!r} in brdfs")
+
+
+def test_a_refusal_is_one_line_before_anything_runs(fresh):
+    fresh.configure(**with_file(fresh, "a$(touch X)"))
     run = fresh.snakemake()
     assert run.returncode != 0
-    if name.startswith("."):  # such files are still being written
-        assert "no material matches '.red'" in run.stderr
-    else:
-        said = [line for line in run.stderr.splitlines() if line.startswith("npfm")]
-        assert len(said) == 1
-        assert said[0].startswith(f"npfm: config: the material {name!r}: a name is of A-Z")
-        assert said[0].endswith(f"rename {f'{name}.binary'!r} in brdfs")
+    said = [line for line in run.stderr.splitlines() if line.startswith("npfm")]
+    assert len(said) == 1
+    assert said[0].startswith("npfm: config: the material 'a$(touch X)': a name is of A-Z")
     assert not (fresh.folder / "results").exists()
