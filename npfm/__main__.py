@@ -38,6 +38,7 @@ VERBS = {
     "accuracy-cost": "tables of what accuracy costs in time",
     "importance": "how noisy a material is in a light, by the way directions are chosen",
     "power-iterations": "tables of what power iterations find, and how well and fast",
+    "perception": "how well metrics agree with what people see",
     "stability": "fit hard inputs, and gather how that went",
 }
 

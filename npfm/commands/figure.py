@@ -48,6 +48,7 @@ FIGURES = {
     "delta_e": "colour differences (CIEDE2000) of each variant's pictures, mean over the materials",
     "extraction_time": "seconds of the power iterations against the number of samples",
     "side_by_side": "materials measured and by each variant, with colour differences",
+    "perception": "how well every metric orders fits as people do (Spearman's correlation)",
     "roughness": "materials made smoother and rougher",
 }
 

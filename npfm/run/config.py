@@ -116,6 +116,12 @@ class Run:
         path = self.config.get("published_factors")
         return [self.user_file(path)] if path else []
 
+    @property
+    def opinions(self) -> list[str]:
+        """The folder of what people said of pictures of fits: one path, or none."""
+        path = self.config.get("perceptual")
+        return [self.user_file(path)] if path else []
+
     def material_inputs(self, name: str) -> list[str]:
         """Files that a material is made from."""
         dataset = self.config["dataset"]

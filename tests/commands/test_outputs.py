@@ -56,6 +56,10 @@ CALLS = {
         "a.csv",
     ),
     "quality gather": ("{made}/quality.csv -o {out}/a.csv", "a.csv"),
+    "perception pairs": (
+        "--quality {made}/quality.csv --opinions {made} -o {out}/a.csv",
+        "a.csv",
+    ),
     "figure figure04": ("-o {out}/a.pdf {out}/a.png", "a.pdf", "a.png"),
     "reproduction": (
         "--run {made} --dataset synthetic --psnr {made}/psnr.csv --summary {made}/summary.csv"
@@ -106,6 +110,8 @@ def folder(tmp_path_factory, table, light_file):
     (made / "fits/bivariate").mkdir()
     os.link(made / "chalk.npz", made / "fits/bivariate/chalk.npz")
     row = "all,chalk,ggx,logarithm,1,1,lower"
+    (made / "PerceptualDistances.csv").write_text("METHOD;BRDF;DISTANCE\nGGX;chalk;0.5\n")
+    (made / "MaterialType.csv").write_text("BRDF;Type\nchalk;Stone\n")
     (made / "quality.csv").write_text(f"{','.join(quality.COLUMNS)}\n{row}\n")
     pictures = made / "renders/A/chalk"
     pictures.mkdir(parents=True)

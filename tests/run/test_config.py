@@ -53,9 +53,8 @@ def test_presets_are_valid_and_named_after_their_file(preset, data, tmp_path):
         changes |= {"data": str(tmp_path), "published_fits": str(data / "published_fits")}
     run = check(configured(**changes))
     assert run.folder == f"results/{preset.stem}"
-    assert (
-        len(run.materials) == {"smoke": 2, "neural-10": 10, "neural": 100, "merl": 1}[preset.stem]
-    )
+    counts = {"smoke": 2, "neural-10": 10, "neural": 100, "perception": 100, "merl": 1}
+    assert len(run.materials) == counts[preset.stem]
 
 
 def test_a_variant_may_have_settings_of_its_own():

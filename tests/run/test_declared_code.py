@@ -98,6 +98,11 @@ CALLS = [
     ),
     ("quality gather", [], "quality gather quality.csv -o x.csv"),
     ("quality summary", [], "quality summary quality.csv -o x.csv"),
+    (
+        "perception",
+        [],
+        "perception correlations --quality quality.csv --opinions . -o x.csv",
+    ),
     ("figure", ["npfm.figures.figure04"], "figure figure04 -o x.pdf"),
     (
         "figure",
@@ -166,6 +171,9 @@ def folder(tmp_path_factory, light_file):
     columns = "scene,material,variant,metric,value,unit,better"
     rows = (f"all,{name},ggx,logarithm,1,1,lower" for name in ("chalk", "slate"))
     (folder / "quality.csv").write_text("\n".join([columns, *rows, ""]))
+    said = "METHOD;BRDF;DISTANCE\nGGX;chalk;0.5\nGGX;slate;0.25\n"
+    (folder / "PerceptualDistances.csv").write_text(said)
+    (folder / "MaterialType.csv").write_text("BRDF;Type\nchalk;Stone\n")
     columns = "case,variant,solver,status,finite,objective,objective_floor,condition,seconds"
     (folder / "stability.csv").write_text(f"{columns}\nblack,naive,awls,,True,0,0,1,1\n")
     return folder
