@@ -1,18 +1,20 @@
 """Fits of Lafortune et al. 1997 by Ngan et al. 2005, who published them."""
 
+import numpy as np
+
 from npfm.datasets.parameter_files import DIFFUSE, Parameters
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective
 from npfm.fitting.parametric import lobes, ngan
-from npfm.fitting.parametric.ngan import LAFORTUNE as FORM
+from npfm.fitting.parametric.lafortune import FORM
 from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "lafortune-published"
 COEFFICIENTS = ("rho_d", "rho_s")
-SHARED = ("c_xy", "c_z", "n")
-SIGNED = ("c_xy",)
+SHARED = ("n", "C_xy", "C_z")
+SIGNED = ("C_xy",)
 SOLVER = False
 OBJECTIVE = False
 PUBLISHED = {
@@ -30,9 +32,15 @@ def parameter_count(grid: HalfDifference) -> int:
 def fit(
     table: Table, objective: Objective, solve: Solver, seed: int, *, published: Parameters
 ) -> Fit:
-    """Take the published parameters as they are; see `ngan.published`."""
-    albedos = published[DIFFUSE], published["albedo"]
-    shape = {"c_xy": published["Cxy"], "c_z": published["Cz"], "n": published["sharpness"]}
+    """Take the published parameters as they are; see `ngan.published`.
+
+    Their lobe is (n + 2) / (2 pi) times that of `npfm.fitting.parametric.lafortune`, whose
+    coefficients are shares of the largest.
+    """
+    C_xy, C_z, n = (published[name] for name in ("Cxy", "Cz", "sharpness"))
+    largest = np.maximum(np.abs(C_xy), np.abs(C_z))
+    albedos = published[DIFFUSE], published["albedo"] * (n + 2) / (2 * np.pi)
+    shape = {"n": n, "C_xy": C_xy / largest, "C_z": C_z / largest}
     return ngan.published(NAME, FORM, table, objective, albedos, shape)
 
 

@@ -15,8 +15,9 @@ def lobe(shape: Shape, at: Directions) -> NDArray:
     """Values per unit rho_s, in 1/sr."""
     vertical = at.cos_i * at.cos_o
     across = 2 * at.cos_d**2 - 1 - vertical
-    base = np.maximum(shape["C_xy"] * across + shape["C_z"] * vertical, 0)
-    return base ** shape["n"]
+    base = shape["C_xy"] * across + shape["C_z"] * vertical
+    # At most 1 above the horizon; of what lies below it a power would overflow.
+    return np.clip(base, 0, 1) ** shape["n"]
 
 
 def _shape(x: NDArray) -> Shape:

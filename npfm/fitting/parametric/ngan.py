@@ -38,20 +38,6 @@ def blinn_phong(shape: Shape, at: Directions) -> NDArray:
     return np.broadcast_arrays(value, at.cos_i)[0]
 
 
-def lafortune(shape: Shape, at: Directions) -> NDArray:
-    """Lafortune et al. 1997, isotropic, as Ngan et al. normalise it; in 1/sr.
-
-    (n + 2) / (2 pi) (max(0, c_xy (u_x v_x + u_y v_y) + c_z u_z v_z) / max(|c_xy|, |c_z|))^n.
-    """
-    c_xy, c_z, n = shape["c_xy"], shape["c_z"], shape["n"]
-    upright = at.cos_i * at.cos_o
-    # Light and view are 2 theta_d apart.
-    along = c_xy * (np.cos(2 * at.theta_d) - upright) + c_z * upright
-    # It is at most 1 where light and view are above the horizon; elsewhere anything.
-    share = np.clip(along / np.maximum(np.abs(c_xy), np.abs(c_z)), 0, 1)
-    return (n + 2) / (2 * np.pi) * share**n
-
-
 WARD = Form(
     ward,
     lambda x: {"roughness": np.exp(x[0])},
@@ -65,15 +51,6 @@ BLINN_PHONG = Form(
     lambda x: {"n": np.exp(x[0])},
     bounds=((np.log(0.1),), (np.log(1e6),)),
     starts={f"n={n:g}": (np.log(n),) for n in (10, 100, 1000, 10_000)},
-    shared=True,
-    samples=SAMPLES,
-)
-#: The larger of the two coefficients is 1; the first number is the logarithm of their ratio.
-LAFORTUNE = Form(
-    lafortune,
-    lambda x: {"c_xy": -np.exp(min(x[0], 0.0)), "c_z": np.exp(min(-x[0], 0.0)), "n": np.exp(x[1])},
-    bounds=((-1.0, np.log(0.1)), (1.0, np.log(1e6))),
-    starts={f"n={n:g}": (0.0, np.log(n)) for n in (5, 50, 500, 5000)},
     shared=True,
     samples=SAMPLES,
 )
