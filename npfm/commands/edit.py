@@ -6,6 +6,7 @@ from npfm.commands.numbers import positive
 from npfm.commands.outputs import output
 from npfm.errors import NpfmError
 from npfm.fitting import fits, registry
+from npfm.reflectance.grids import Grid
 
 #: What a digest covers beside this file (`npfm.run.provenance`).
 CODE = (
@@ -13,11 +14,14 @@ CODE = (
     "npfm.commands.outputs",
     "npfm.fitting.fits",
     "npfm.fitting.registry",
+    "npfm.reflectance.grids",
 )
 EXAMPLE = """\
-example:
+examples:
   python -m npfm edit chrome.npz --roughness 2 -o rougher.npz
-makes every slope of the microfacets twice as steep, and leaves the colour at each angle as it is.
+  python -m npfm edit brushed-steel.npz --roughness 1 0.5 -o brushed-more.npz
+makes every slope of the microfacets twice as steep, or those along the table's y half as steep, and
+leaves the colour at each angle as it is.
 The new fit is tabulated and rendered like any other, and may be edited again; it has no record.
 """
 
@@ -29,9 +33,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--roughness",
         type=positive,
+        nargs="+",
         required=True,
         metavar="FACTOR",
-        help="what slopes are multiplied by, and with them the roughness alpha",
+        help="what slopes are multiplied by, and with them the roughness alpha: one number, or two "
+        "for slopes along x and along y, if the fit is of a table that tells them apart",
     )
     parser.add_argument(
         "-o",
@@ -53,4 +59,17 @@ def run(arguments: argparse.Namespace) -> None:
             f"{arguments.fit}: '{fit.model}' cannot be made rougher; "
             f"give a fit of {' or '.join(editable)}"
         )
-    fits.save(arguments.output, model.rougher(fit, arguments.roughness))
+    fits.save(arguments.output, model.rougher(fit, _factors(arguments, fit.grid)))
+
+
+def _factors(arguments: argparse.Namespace, grid: Grid) -> tuple[float, float]:
+    """Factors along x and along y."""
+    first, *others = arguments.roughness
+    if len(others) > 1:
+        raise NpfmError(f"--roughness has {len(others) + 1} numbers; give one, or two for x and y")
+    second = others[0] if others else first
+    if first != second and not grid.anisotropic:
+        raise NpfmError(
+            f"{arguments.fit}: a fit of a {grid.kind} table has no x and y; give one number"
+        )
+    return first, second

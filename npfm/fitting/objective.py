@@ -5,13 +5,16 @@ Bagher et al. 2016, section 4.1: E = sum_j w_j (rho_j - rho*_j)^2 with w = w_V w
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Generic
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from npfm.errors import NpfmError
+from npfm.reflectance.directional import Directional
+from npfm.reflectance.grids import Grid
 from npfm.reflectance.half_difference import HalfDifference
-from npfm.reflectance.table import CHANNELS, Table
+from npfm.reflectance.table import CHANNELS, G, Table
 
 #: Power of the compressive weight and steepness of the compressive function (section 4.1).
 COMPRESSION_POWER = 1.4
@@ -52,12 +55,12 @@ class Objective:
 
 
 @dataclass(frozen=True)
-class Samples:
+class Samples(Generic[G]):
     """Weighted samples of one channel, in units of the channel's `scale`.
 
     Parameters
     ----------
-    weight : ndarray, shape (theta_h, theta_d, phi_d)
+    weight : ndarray, shape grid.shape
         w of equation 8, 0 where a sample does not count.
     value : ndarray, the same shape
         Measured BRDF divided by `scale`, 0 where a sample does not count.
@@ -66,15 +69,16 @@ class Samples:
         around 1. 1 where all is 0.
     floor : float
         Part of the objective that folding has taken out (0 before folding).
-    grid : HalfDifference
-        Where the samples lie; folded samples keep the first half of its phi_d bins.
+    grid : Grid
+        Where the samples lie; folded samples on a half-difference grid keep the first half of its
+        phi_d bins.
     """
 
     weight: NDArray[np.float64]
     value: NDArray[np.float64]
     scale: float
     floor: float
-    grid: HalfDifference
+    grid: G
 
     @cached_property
     def energy(self) -> float:
@@ -98,16 +102,39 @@ def volume_form(grid: HalfDifference) -> NDArray[np.float64]:
     return 2 * np.sqrt(grid.theta_h)[:, None, None] * spread
 
 
-def importance(grid: HalfDifference) -> NDArray[np.float64]:
+def solid_angles(grid: Directional) -> NDArray[np.float64]:
+    """Weight w_V of each cell of a directional grid: what its light and its view stand for.
+
+    Each elevation stands for half the way to its neighbours, the first for a cap around the normal.
+    Global constants are left out.
+
+    Returns
+    -------
+    ndarray, shape grid.shape
+    """
+    shares = []
+    for theta in (grid.theta_i, grid.theta_o):
+        step = np.pi / 2 / len(theta)
+        shares.append(np.cos(np.maximum(theta - step / 2, 0)) - np.cos(theta + step / 2))
+    return np.broadcast_to(shares[0][:, None, None, None] * shares[1][:, None], grid.shape)
+
+
+def importance(grid: Grid) -> NDArray[np.float64]:
     """Weight w_I = cos(theta_i) cos(theta_o) of each cell, 0 below the horizon (equation 10)."""
     cos_i, cos_o = grid.cosines
     return np.maximum(cos_i, 0) * np.maximum(cos_o, 0)
 
 
 @lru_cache(maxsize=2)
-def _geometric_weight(grid: HalfDifference, max_angle: float) -> NDArray[np.float64]:
+def _geometric_weight(grid: Grid, max_angle: float) -> NDArray[np.float64]:
     """w_V w_I of the cells that count, 0 elsewhere."""
-    return np.where(counted(grid, max_angle), volume_form(grid) * importance(grid), 0.0)
+    if isinstance(grid, HalfDifference):
+        volume = volume_form(grid)
+    elif isinstance(grid, Directional):
+        volume = solid_angles(grid)
+    else:
+        raise TypeError(f"no weights are known for {grid.name}")
+    return np.where(counted(grid, max_angle), volume * importance(grid), 0.0)
 
 
 def compressive_weight(relative: NDArray) -> NDArray[np.float64]:
@@ -153,7 +180,7 @@ def weighted_median(value: NDArray, weight: NDArray) -> float:
     return float(value[order][np.searchsorted(reached, reached[-1] / 2)])
 
 
-def counted(grid: HalfDifference, max_angle: float) -> NDArray[np.bool_]:
+def counted(grid: Grid, max_angle: float) -> NDArray[np.bool_]:
     """Cells whose theta_i and theta_o are both at most `max_angle` degrees (section 4.1)."""
     lowest = np.cos(np.deg2rad(max_angle))
     cos_i, cos_o = grid.cosines
@@ -223,16 +250,39 @@ def fold(samples: Samples) -> Samples:
     Returns
     -------
     Samples
-        With weight and value of shape (theta_h, theta_d, phi_d / 2).
+        With weight and value of shape (theta_h, theta_d, phi_d / 2). On a directional grid the
+        shape stays, and a sample is where the light comes first; there is nothing to merge where
+        light and view have other directions.
     """
-    half = samples.grid.phi_d_bins // 2
+    if isinstance(samples.grid, Directional):
+        return _fold_directional(samples)
+    half = samples.value.shape[-1] // 2
     w1, w2 = samples.weight[..., :half], samples.weight[..., : half - 1 : -1]
     r1, r2 = samples.value[..., :half], samples.value[..., : half - 1 : -1]
+    weight, value, floor = _merged(w1, w2, r1, r2)
+    return Samples(weight, value, samples.scale, samples.floor + floor, samples.grid)
+
+
+def _fold_directional(samples: Samples) -> Samples:
+    shape = samples.weight.shape
+    if shape[:2] != shape[2:]:
+        return samples
+    weight, value = (a.reshape(shape[0] * shape[1], -1) for a in (samples.weight, samples.value))
+    # Light and view in one direction are a pair by themselves, which counts once.
+    w1, w2 = np.triu(weight), np.triu(weight.T, 1)
+    weight, value, floor = _merged(w1, w2, value, value.T)
+    scale, before, grid = samples.scale, samples.floor, samples.grid
+    return Samples(weight.reshape(shape), value.reshape(shape), scale, before + floor, grid)
+
+
+def _merged(
+    w1: NDArray, w2: NDArray, r1: NDArray, r2: NDArray
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    """Weights and values of merged samples, and the part of the objective that stays."""
     weight = w1 + w2
     safe = np.where(weight > 0, weight, 1.0)
     floor = float(np.sum(w1 * (w2 / safe) * (r1 - r2) ** 2))
-    value = (w1 * r1 + w2 * r2) / safe
-    return Samples(weight, value, samples.scale, samples.floor + floor, samples.grid)
+    return weight, (w1 * r1 + w2 * r2) / safe, floor
 
 
 def degeneracy(samples: Samples) -> str | None:
@@ -247,6 +297,8 @@ def degeneracy(samples: Samples) -> str | None:
         samples.floor <= EQUAL * samples.energy
     ):
         return "all samples are equal"
+    if isinstance(samples.grid, Directional):
+        return None
     seen = np.any(counts, axis=-1)
     for axis, name in ((1, "theta_h"), (0, "theta_d")):
         if np.count_nonzero(np.any(seen, axis=axis)) == 1:

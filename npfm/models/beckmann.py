@@ -5,13 +5,23 @@ stays as it is. rho = rho_s D(theta_h; alpha) F(theta_d) G / (4 cos(theta_i) cos
 Smith's correlated G.
 """
 
+from npfm.fitting.power_iterations import directional
 from npfm.fitting.power_iterations.fits import Microfacets, formula
-from npfm.reflectance.microsurfaces import beckmann, beckmann_area
+from npfm.reflectance.anisotropic_slopes import beckmann_scale
+from npfm.reflectance.microsurfaces import (
+    anisotropic_beckmann,
+    anisotropic_beckmann_area,
+    beckmann,
+    beckmann_area,
+)
 from npfm.reflectance.slopes import beckmann_roughness
+from npfm.reflectance.tabulated_slopes import as_beckmann
 
 NAME = "beckmann"
 COEFFICIENTS = ("rho_s",)
-SHARED = ("alpha",)
+SHARED = ("alpha", "alpha_x", "alpha_y", "rho")
+SIGNED = ("rho",)
+GRIDS = ("half-difference", "directional")
 SOLVER = False
 OBJECTIVE = False
 CONVERTED = True
@@ -28,7 +38,13 @@ SETTINGS = {
     },
 }
 
-MODEL = Microfacets(NAME, formula(beckmann_roughness, beckmann, beckmann_area))
+MODEL = Microfacets(
+    NAME,
+    formula(beckmann_roughness, beckmann, beckmann_area),
+    directional.formula(
+        as_beckmann, beckmann_scale, anisotropic_beckmann, anisotropic_beckmann_area
+    ),
+)
 fit = MODEL.fit
 tabulate = MODEL.tabulate
 parameter_count = MODEL.parameter_count

@@ -5,13 +5,23 @@ stays as it is. rho = rho_s D(theta_h; alpha) F(theta_d) G / (4 cos(theta_i) cos
 Smith's correlated G.
 """
 
+from npfm.fitting.power_iterations import directional
 from npfm.fitting.power_iterations.fits import Microfacets, formula
-from npfm.reflectance.microsurfaces import ggx, ggx_area
+from npfm.reflectance.anisotropic_slopes import ggx_scale
+from npfm.reflectance.microsurfaces import (
+    anisotropic_ggx,
+    anisotropic_ggx_area,
+    ggx,
+    ggx_area,
+)
 from npfm.reflectance.slopes import ggx_roughness
+from npfm.reflectance.tabulated_slopes import as_ggx
 
 NAME = "ggx"
 COEFFICIENTS = ("rho_s",)
-SHARED = ("alpha",)
+SHARED = ("alpha", "alpha_x", "alpha_y", "rho")
+SIGNED = ("rho",)
+GRIDS = ("half-difference", "directional")
 SOLVER = False
 OBJECTIVE = False
 CONVERTED = True
@@ -28,7 +38,11 @@ SETTINGS = {
     },
 }
 
-MODEL = Microfacets(NAME, formula(ggx_roughness, ggx, ggx_area))
+MODEL = Microfacets(
+    NAME,
+    formula(ggx_roughness, ggx, ggx_area),
+    directional.formula(as_ggx, ggx_scale, anisotropic_ggx, anisotropic_ggx_area),
+)
 fit = MODEL.fit
 tabulate = MODEL.tabulate
 parameter_count = MODEL.parameter_count

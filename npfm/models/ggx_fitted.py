@@ -64,7 +64,10 @@ def tabulate(fit: Fit) -> Table:
     return lobes.tabulate(FORM, fit)
 
 
-def rougher(fit: Fit, factor: float) -> Fit:
-    """Return the fit with slopes that are so many times as steep, all else as it is."""
-    alpha = fit.parameters["alpha"] * fit.parameters["alpha"].dtype.type(factor)
+def rougher(fit: Fit, factors: tuple[float, float]) -> Fit:
+    """Return the fit with slopes that are so many times as steep, all else as it is.
+
+    Along x and along y, which are the same on the only grid that the model is for.
+    """
+    alpha = fit.parameters["alpha"] * fit.parameters["alpha"].dtype.type(factors[0])
     return replace(fit, parameters=fit.parameters | {"alpha": alpha}, records=())

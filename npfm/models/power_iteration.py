@@ -5,11 +5,13 @@ rho = rho_s D(theta_h) F(theta_d) G / (4 cos(theta_i) cos(theta_o)) with Smith's
 value for a D that is normalised, are of each. There is no diffuse part.
 """
 
+from npfm.fitting.power_iterations import directional
 from npfm.fitting.power_iterations.fits import TABULATED, Microfacets
 
 NAME = "power-iteration"
 COEFFICIENTS = ("rho_s",)
 SHARED = ("D",)
+GRIDS = ("half-difference", "directional")
 SOLVER = False
 OBJECTIVE = False  # only F follows it
 SETTINGS = {
@@ -24,7 +26,7 @@ SETTINGS = {
     },
 }
 
-MODEL = Microfacets(NAME, TABULATED)
+MODEL = Microfacets(NAME, TABULATED, directional.TABULATED)
 fit = MODEL.fit
 tabulate = MODEL.tabulate
 parameter_count = MODEL.parameter_count

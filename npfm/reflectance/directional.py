@@ -92,6 +92,12 @@ class Directional:
         return np.ones(self.shape, dtype=bool)
 
     @cached_property
+    def cosines(self) -> tuple[Array, Array]:
+        """Cosines of theta_i and theta_o of all cells, shape `shape` each."""
+        cos_i = np.broadcast_to(np.cos(self.theta_i)[:, None, None, None], self.shape)
+        return cos_i, np.broadcast_to(np.cos(self.theta_o)[:, None], self.shape)
+
+    @cached_property
     def theta_h_edges(self) -> Array:
         """Edges of bins of theta_h from 0 to pi/2, half as wide as the steps of theta_i."""
         return np.linspace(0, HALF_PI, HALF_VECTORS * self.theta_i_count + 1)

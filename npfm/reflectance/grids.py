@@ -46,6 +46,10 @@ class Grid(Protocol):
         """Where light and view at the centre of a cell both lie above the horizon."""
 
     @property
+    def cosines(self) -> tuple[Array, Array]:
+        """Cosines of theta_i and theta_o at the centres of the cells."""
+
+    @property
     def theta_h_edges(self) -> Array:
         """Edges of bins of theta_h from 0 to pi/2, as narrow as highlights are resolved."""
 

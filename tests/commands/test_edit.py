@@ -2,8 +2,10 @@ import numpy as np
 import pytest
 
 from npfm.__main__ import main
+from npfm.datasets import synthetic_anisotropic
 from npfm.fitting import fits, registry
 from npfm.fitting.objective import Objective
+from npfm.reflectance.directional import Directional
 from npfm.reflectance.half_difference import MERL
 from npfm.reflectance.slopes import ggx_roughness
 
@@ -87,6 +89,8 @@ def test_as_much_light_is_reflected_by_a_smoother_surface(folder):
             "'bivariate' cannot be made rougher; give a fit of beckmann or ggx or",
         ),
         ("ggx", "0", "give a number above 0"),
+        ("ggx", "1 2", "a fit of a half-difference table has no x and y; give one number"),
+        ("ggx", "1 2 3", "--roughness has 3 numbers; give one, or two for x and y"),
         ("ggx", "-1", "give a number above 0"),
         ("ggx", "rough", "give a number above 0"),
         ("absent", "2", "no such file"),
@@ -94,7 +98,9 @@ def test_as_much_light_is_reflected_by_a_smoother_surface(folder):
 )
 def test_mistakes_are_answered_in_one_line(capsys, folder, name, factor, said):
     output = folder / "never.npz"
-    call = ["edit", f"{folder}/{name}.npz", f"--roughness={factor}", "-o", str(output)]
+    numbers = factor.split() if " " in factor else [factor]
+    option = ["--roughness", *numbers] if numbers[1:] else [f"--roughness={factor}"]
+    call = ["edit", f"{folder}/{name}.npz", *option, "-o", str(output)]
     try:
         assert main(call) == 1
     except SystemExit as stopped:
@@ -102,3 +108,20 @@ def test_mistakes_are_answered_in_one_line(capsys, folder, name, factor, said):
     [line] = capsys.readouterr().err.splitlines()
     assert said in line
     assert not output.exists()
+
+
+def test_slopes_along_two_axes(tmp_path):
+    table = synthetic_anisotropic.load("cast-chrome", 1, Directional(6, 24, 6, 24))
+    for name in ("ggx", "power-iteration"):
+        fit = registry.declared(name).load().fit(table, Objective(), None, 1)
+        fits.save(tmp_path / f"{name}.npz", fit)
+        output = tmp_path / f"{name}-brushed.npz"
+        words = ["--roughness", "0.5", "2", "-o", str(output)]
+        assert main(["edit", f"{tmp_path}/{name}.npz", *words]) == 0
+        before, after = (registry.tabulated(tmp_path / f"{name}{e}.npz") for e in ("", "-brushed"))
+        # Seen from above, light at the same elevation comes back less along x, and more along y.
+        change = (
+            after.values[1, 3, [0, 6, 12, 18], 0, 0] / before.values[1, 3, [0, 6, 12, 18], 0, 0]
+        )
+        assert (change[::2] < 0.5).all()
+        assert (change[1::2] > 1.5).all()

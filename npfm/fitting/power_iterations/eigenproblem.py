@@ -6,7 +6,7 @@ eigenvector that has none either, and cannot fail. A row of it is made from the 
 of theta_h in the first bin of theta_d.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import reduce
 
 import numpy as np
@@ -120,12 +120,12 @@ def distribution(samples: Sequence[Samples], kernel: str) -> tuple[Array, str, i
     iterations : int
     """
     unit = max(channel.scale for channel in samples)
-    matrices = [(channel.scale / unit) * _filled(*KERNELS[kernel](channel)) for channel in samples]
+    matrices = [(channel.scale / unit) * filled(*KERNELS[kernel](channel)) for channel in samples]
     # In an order of their own, so that that of the channels does not even matter for rounding.
     return power_iterations(reduce(np.add, sorted(matrices, key=np.sum)))
 
 
-def _filled(matrix: Array, seen: NDArray[np.bool_]) -> Array:
+def filled(matrix: Array, seen: NDArray[np.bool_]) -> Array:
     """Rows that there is nothing to make from, interpolated between the others."""
     rows = np.flatnonzero(seen)
     place = np.interp(np.arange(len(matrix)), rows, np.arange(len(rows)))
@@ -145,12 +145,17 @@ def power_iterations(matrix: Array) -> tuple[Array, str, int]:
     status : str
     iterations : int
     """
-    vector = np.ones(len(matrix))
+    return iterated(lambda vector: matrix @ vector, (len(matrix),))
+
+
+def iterated(apply: Callable[[Array], Array], shape: tuple[int, ...]) -> tuple[Array, str, int]:
+    """`power_iterations` with a function in place of the matrix, of arrays of that shape."""
+    vector = np.ones(shape)
     for iteration in range(1, MAX_ITERATIONS + 1):
-        image = matrix @ vector
+        image = apply(vector)
         largest = image.max()
         if not largest > 0:
-            return np.ones(len(matrix)), "degenerate: no light comes back", iteration
+            return np.ones(shape), "degenerate: no light comes back", iteration
         image /= largest
         if np.abs(image - vector).max() <= TOLERANCE:
             return image, "converged", iteration

@@ -17,11 +17,13 @@ from npfm.fitting import channels
 from npfm.fitting.channels import CoupledFit, as_table, fit_coupled, shared_traces, with_end
 from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples
+from npfm.fitting.power_iterations import backscattering, directional
 from npfm.fitting.power_iterations.eigenproblem import distribution
 from npfm.fitting.power_iterations.fresnel import fresnel
 from npfm.fitting.power_iterations.mirrors import mirrors
 from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance import slopes
+from npfm.reflectance.directional import Directional
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.slopes import ELEVATIONS, normalised, projected_area
 from npfm.reflectance.table import CHANNELS, Table
@@ -98,11 +100,14 @@ class Microfacets:
     name : str
         Of the model.
     form : Form
-        How it keeps D.
+        How it keeps D of an isotropic table.
+    directional : directional.Form
+        How it keeps D of a table of both directions.
     """
 
     name: str
     form: Form
+    directional: directional.Form
 
     def fit(
         self,
@@ -117,7 +122,8 @@ class Microfacets:
         """Fit the model to a table; the same steps for every table, and none that can fail.
 
         D comes first, F from the mirrors of the stored D; only then is D converted, so that F is
-        that of the power iterations whatever the form (section 5.4 of Dupuy et al. 2015).
+        that of the power iterations whatever the form (section 5.4 of Dupuy et al. 2015). On tables
+        of both directions that is so but for its scale (`directional.Form.covered`).
 
         Parameters
         ----------
@@ -136,51 +142,79 @@ class Microfacets:
         ------
         NpfmError
             If a channel has no sample that counts, a NaN or an infinity, or values so large or so
-            small that its rho_s cannot be stored.
+            small that its rho_s cannot be stored; if light and view have different directions.
         """
-        together = partial(_fit_together, form=self.form, kernel=kernel, way=fresnel)
+        together = partial(self._fit_together, kernel=kernel, way=fresnel)
         made = fit_coupled(self.name, table, objective, together, self.tabulate, ("rho_s",))
         return replace(made, records=tuple(with_end(record) for record in made.records))
 
+    def _fit_together(self, samples: Sequence[Samples], kernel: str, way: str) -> CoupledFit:
+        began = time.process_time()
+        grid = samples[0].grid
+        if isinstance(grid, Directional):
+            D, status, iterations = backscattering.distribution(samples, kernel)
+            D = _stored(D)
+            ideal = directional.mirrors(*directional.TABULATED.surface({"D": D[None]}, grid), grid)
+            share = self.directional.covered(D, grid)
+            factors = [share * directional.fresnel(channel, ideal, way) for channel in samples]
+            shape = self.directional.convert(D, grid)
+        else:
+            D, status, iterations = distribution(samples, kernel)
+            D = _stored(D)
+            ideal = mirrors(*TABULATED.surface({"D": D[None]}, grid), grid)
+            factors = [fresnel(channel, ideal, way) for channel in samples]
+            shape = self.form.convert(D, grid)
+        parameters = shape | _scaled(factors)
+        seconds = time.process_time() - began
+        trace = Trace("power iterations", status, iterations, 0, (seconds,), (1.0,))
+        return CoupledFit(parameters, shared_traces([trace]))
+
     def tabulate(self, fit: Fit) -> Table:
         """Values of a fit at every cell of its grid, in 1/sr."""
-        # Computed once for both halves of phi_d: exactly reciprocal.
-        halves = _halves(self.form, fit)
-        values = [np.concatenate([half, half[..., ::-1]], axis=-1) for half in halves]
-        return as_table(values, fit.grid)
+        p = {key: array.astype(float) for key, array in fit.parameters.items()}
+        grid = fit.grid
+        if isinstance(grid, Directional):
+            ideal = directional.mirrors(*self.directional.surface(p, grid), grid)
+            values = [F * ideal for F in directional.at_cells(p["rho_s"], p["F"], grid)]
+        else:
+            ideal = mirrors(*self.form.surface(p, grid), grid)
+            halves = [s * F[:, None] * ideal for s, F in zip(p["rho_s"], p["F"], strict=True)]
+            # Computed once for both halves of phi_d: exactly reciprocal.
+            values = [np.concatenate([half, half[..., ::-1]], axis=-1) for half in halves]
+        return as_table(values, grid)
 
-    def parameter_count(self, grid: HalfDifference) -> int:
+    def parameter_count(self, grid: HalfDifference | Directional) -> int:
         """Number of values stored for a material: rho_s and F of each channel, and D."""
-        shape = self.form.convert(np.ones(grid.theta_h_bins), grid)
-        factors = len(CHANNELS) * (1 + grid.theta_d_bins)
-        return factors + sum(np.size(value) for value in shape.values())
+        if isinstance(grid, Directional):
+            shape = self.directional.convert(np.ones(backscattering.shape(grid)), grid)
+            bins = directional.THETA_D_BINS
+        else:
+            shape = self.form.convert(np.ones(grid.theta_h_bins), grid)
+            bins = grid.theta_d_bins
+        return len(CHANNELS) * (1 + bins) + sum(np.size(value) for value in shape.values())
 
-    def rougher(self, fit: Fit, factor: float) -> Fit:
-        """Return the fit with slopes that are so many times as steep, all else as it is."""
-        changed = self.form.rougher(fit.parameters, fit.grid, factor)
+    def rougher(self, fit: Fit, factors: tuple[float, float]) -> Fit:
+        """Return the fit with slopes that are so many times as steep, all else as it is.
+
+        Along x and along y; on a half-difference grid, the same.
+        """
+        if isinstance(fit.grid, Directional):
+            changed = self.directional.rougher(fit.parameters, factors)
+        else:
+            changed = self.form.rougher(fit.parameters, fit.grid, factors[0])
         stored = {key: value.astype(channels.STORED) for key, value in changed.items()}
         return replace(fit, parameters=fit.parameters | stored, records=())
 
 
-def _fit_together(samples: Sequence[Samples], form: Form, kernel: str, way: str) -> CoupledFit:
-    began = time.process_time()
-    grid = samples[0].grid
-    D, status, iterations = distribution(samples, kernel)
-    D = (D / D.max()).astype(channels.STORED).astype(float)
-    ideal = mirrors(*TABULATED.surface({"D": D[None]}, grid), grid)
-    factors = [fresnel(channel, ideal, way) for channel in samples]
+def _stored(D: Array) -> Array:
+    """D as it is stored, of maximum 1."""
+    return (D / D.max()).astype(channels.STORED).astype(float)
+
+
+def _scaled(factors: Sequence[Array]) -> Parameters:
+    """F of maximum 1, and rho_s, which takes its scale."""
     largest = np.array([F.max() for F in factors])
     scaled = [
         F / most if most > 0 else np.ones_like(F) for F, most in zip(factors, largest, strict=True)
     ]
-    parameters = form.convert(D, grid) | {"F": np.stack(scaled), "rho_s": largest}
-    seconds = time.process_time() - began
-    trace = Trace("power iterations", status, iterations, 0, (seconds,), (1.0,))
-    return CoupledFit(parameters, shared_traces([trace]))
-
-
-def _halves(form: Form, fit: Fit) -> list[Array]:
-    """Values of each channel for phi_d in its first half, in 1/sr."""
-    p = {key: array.astype(float) for key, array in fit.parameters.items()}
-    ideal = mirrors(*form.surface(p, fit.grid), fit.grid)
-    return [rho_s * F[:, None] * ideal for rho_s, F in zip(p["rho_s"], p["F"], strict=True)]
+    return {"F": np.stack(scaled), "rho_s": largest}
