@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 
 from npfm.reflectance.slopes import facing
 from npfm.rendering.sampling.facets import Facets, drawn, facets, half_angles, reflected
-from npfm.rendering.sampling.strategy import Given
+from npfm.rendering.sampling.strategy import Given, Strategy
+from npfm.rendering.sampling.turned_facets import (
+    TurnedFacets,
+    frames,
+    local_half,
+    turned_facets,
+)
 from npfm.rendering.shading import Shading
 
 NAME = "visible-slopes"
@@ -84,6 +90,46 @@ def _azimuth(theta_o: Array, theta_h: Array, u: Array) -> Array:
     return np.copysign(phi, u - 0.5)
 
 
-def make(given: Given) -> VisibleSlopeSampling:
+class TurnedVisibleSlopeSampling:
+    """The same for facets that are turned about the normal: cells of theta_h and phi_h come first.
+
+    A cell has the area that its facets show where they face the view most, so that one whose middle
+    is seen from behind has its share too; inside it half vectors are uniform in projected solid
+    angle.
+    """
+
+    def __init__(self, surface: TurnedFacets):
+        self.surface = surface
+        middles = surface.middles
+        self.middles = middles.reshape(-1, 3)
+        theta = np.arcsin(np.sqrt(surface.squares))
+        half_width = np.pi / len(surface.D) * np.sin(theta[1:])
+        self.radius = np.hypot(np.diff(theta), half_width)
+        self.areas = surface.D * surface.solid_angles / middles[..., 2]
+
+    def sample(self, u: Array, at: Shading) -> Array:
+        """Light directions (p, m, 3) of points `u` (p, m, 2) of the unit square."""
+        normals = self.surface.normals(np.cumsum(self._shares(at), axis=1), u)
+        return reflected(normals @ frames(at), at)
+
+    def pdf(self, light: Array, at: Shading) -> Array:
+        """Density in 1/sr, shape (p, m), of directions `light` (p, m, 3)."""
+        above, half, cos_d = local_half(light, at)
+        cell = self.surface.cells(half)
+        share = np.take_along_axis(self._shares(at), cell, axis=1)
+        angle = self.surface.solid_angles[cell % self.surface.D.shape[1]]
+        return np.where(above, share / angle * half[..., 2] / (4 * cos_d), 0)
+
+    def _shares(self, at: Shading) -> Array:
+        """Share of each cell in the visible area, (p, azimuths * bins)."""
+        view = np.einsum("pij,pj->pi", frames(at), at.view)
+        seen = (view @ self.middles.T).reshape(len(at), *self.areas.shape) + self.radius
+        weight = (np.maximum(seen, 0) * self.areas).reshape(len(at), -1)
+        return weight / weight.sum(axis=1, keepdims=True)
+
+
+def make(given: Given) -> Strategy:
     """Follow the factor D of a fit."""
+    if given.grid.anisotropic:
+        return TurnedVisibleSlopeSampling(turned_facets(given))
     return VisibleSlopeSampling(facets(given))

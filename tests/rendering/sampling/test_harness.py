@@ -11,9 +11,12 @@ from shaded import about_mirror, above_horizon, point
 
 from npfm.fitting.factorisation.recipes import Recipe, factor
 from npfm.reflectance.angles import half_difference
+from npfm.reflectance.directional import Directional, directions
 from npfm.reflectance.factored import Angles
 from npfm.reflectance.half_difference import HalfDifference
+from npfm.reflectance.microsurfaces import anisotropic_ggx, turned_scale
 from npfm.reflectance.table import INVALID, Table
+from npfm.reflectance.tabulated_slopes import elevations
 from npfm.rendering.lights.environment import Environment
 from npfm.rendering.sampling import registry
 from npfm.rendering.sampling.strategy import Given
@@ -79,9 +82,23 @@ FACTORED = {
 }
 
 
-@pytest.fixture(params=sorted({*registry.strategies(), *FACTORED}), scope="module")
+#: A fit of brushed metal: strategies that follow facets do so where they are turned.
+TURNED_GRID = Directional(6, 24, 6, 24)
+TURNED = ("quantiles: turned", "visible-slopes: turned")
+
+
+def turned():
+    """Arrays of a fit of a table of both directions, with alpha 0.2 and 0.6."""
+    phi = np.arange(24) / 24 * 2 * np.pi
+    h = directions(elevations(11)[:, None], phi)
+    return {"D": anisotropic_ggx(h, turned_scale((0.2, 0.6), 0.4))[None]}
+
+
+@pytest.fixture(params=sorted({*registry.strategies(), *FACTORED, *TURNED}), scope="module")
 def strategy(request):
     name = request.param.split(":")[0]
+    if request.param in TURNED:
+        return registry.make([name], Given(LIGHT, TURNED_GRID, None, turned()))[0]
     make = FACTORED.get(request.param)
     parameters = make() if make else PARAMETERS.get(name, {})
     (made,) = registry.make([name], Given(LIGHT, GRID, TABLE, parameters))
