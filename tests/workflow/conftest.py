@@ -114,10 +114,12 @@ def finished(tmp_path_factory, worker_id) -> Project:
     folder = (base if worker_id == "master" else base.parent) / "finished"
     with folder.with_suffix(".lock").open("a+") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        if not lock.tell():  # nobody has said that it is complete
+        # Read only now: another worker may have completed it while this one waited.
+        if not folder.with_suffix(".lock").read_text():
             run = copied(folder).snakemake()
             assert run.returncode == 0, run.stdout + run.stderr
             lock.write("complete")
+            lock.flush()
     return Project(folder)
 
 

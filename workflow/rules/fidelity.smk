@@ -1,5 +1,4 @@
 localrules:
-    fidelity_table,
     fidelity_figure,
 
 
