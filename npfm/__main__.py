@@ -22,6 +22,7 @@ from npfm.storage.signals import stopping_cleanly  # noqa: E402
 VERBS = {
     "material": "write one material of a dataset as a MERL .binary file",
     "fit": "fit a model to a MERL .binary file",
+    "factor": "factor a table or a formula, to be sampled",
     "tabulate": "write a fit as a MERL .binary file",
     "edit": "make the microfacets of a fit rougher or smoother",
     "texture": "write fits of many materials as one small EXR picture",
@@ -36,6 +37,7 @@ VERBS = {
     "reproduction": "put the paper's claims to the tables of a run, as a page of Markdown",
     "effects-cost": "what effects cost and change, switched off and on",
     "accuracy-cost": "tables of what accuracy costs in time",
+    "factorisation": "how accurate the factors of tables and formulas are",
     "importance": "how noisy a material is in a light, by the way directions are chosen",
     "power-iterations": "tables of what power iterations find, and how well and fast",
     "perception": "how well metrics agree with what people see",

@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Callable
+from typing import Any
 
 
 def whole(lowest: int) -> Callable[[str], int]:
@@ -15,6 +16,22 @@ def whole(lowest: int) -> Callable[[str], int]:
         if number is None or number < lowest:
             raise argparse.ArgumentTypeError(f"'{text}': give a whole number of {lowest} or more")
         return number
+
+    return parse
+
+
+def shape(axes: int) -> Callable[[str], Any]:
+    """Return the type of so many whole numbers from 1 with x between them."""
+
+    def parse(text: str) -> tuple[int, ...]:
+        parts = text.split("x")
+        # No number of bins or terms has more digits than these.
+        if len(parts) != axes or not all(p.isdecimal() and len(p) < 7 and int(p) for p in parts):
+            example = "x".join(["16"] * axes)
+            raise argparse.ArgumentTypeError(
+                f"'{text}': give {axes} whole numbers from 1 with x between them, as {example}"
+            )
+        return tuple(map(int, parts))
 
     return parse
 

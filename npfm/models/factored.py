@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
+from npfm.errors import NpfmError
 from npfm.fitting.channels import CoupledFit, as_table, fit_coupled, with_end
 from npfm.fitting.factorisation.recipes import Recipe, factor
 from npfm.fitting.fits import Fit, Trace
@@ -123,8 +124,19 @@ def _filled(samples: Sequence[Samples]) -> Table:
 
 
 def tabulate(fit: Fit) -> Table:
-    """Values of a fit at every cell of its grid, in 1/sr."""
+    """Values of a fit at every cell of its grid, in 1/sr.
+
+    Raises
+    ------
+    NpfmError
+        If its factors hang on the azimuth of the view, which such a table does not have.
+    """
     factors, grid = read(fit.parameters), fit.grid
+    if not factors.angles.relative:
+        raise NpfmError(
+            "these factors differ with the azimuth of the view, and a table of a "
+            f"{grid.kind} grid does not; factor with one such azimuth, as in 16x1x128x16"
+        )
     values = np.zeros((3, *grid.shape))
     for k, theta_h in enumerate(grid.theta_h):
         light, view = directions(theta_h, grid.theta_d[:, None], grid.phi_d)

@@ -1,6 +1,7 @@
 """Numbers printed in Lawrence et al. 2004, to stand beside ours."""
 
 import math
+from dataclasses import dataclass
 
 SOURCE = "Lawrence et al. 2004"
 
@@ -36,3 +37,50 @@ def improvement(light: str, material: str, strategy: str) -> float:
     """Printed factor of improvement over a strategy, NaN where there is none."""
     printed = IMPROVEMENT.get(light, {}).get(material, ())
     return dict(zip(STRATEGIES, printed, strict=False)).get(strategy, math.nan)
+
+
+@dataclass(frozen=True)
+class Factored:
+    """A row of Table 1.
+
+    Parameters
+    ----------
+    resolution : tuple of four int
+        Bins of theta_o, phi_o, theta_p and phi_p.
+    terms : tuple of two int
+        J and K.
+    half : bool
+        Whether p is the half vector, not the light.
+    error : float
+        Normalised mean absolute error of the factors; NaN if it is none of the table's.
+    lafortune : float
+        That of the best fit of Lafortune's lobes.
+    lobes : int
+        How many these are.
+    """
+
+    resolution: tuple[int, int, int, int]
+    terms: tuple[int, int]
+    half: bool
+    error: float = math.nan
+    lafortune: float = math.nan
+    lobes: int = 2
+
+
+_MEASURED: tuple[int, int, int, int] = (16, 16, 128, 16)
+_SMALL: tuple[int, int, int, int] = (16, 16, 32, 16)
+#: Table 1, by the names of `MATERIALS` and of the formulas.
+TABLE_1 = {
+    "cook-torrance": Factored(_SMALL, (4, 1), True, 0.192, 0.632, 3),
+    "ward": Factored((16, 16, 100, 100), (2, 4), True, 0.094, 1.092),
+    "poulin-fournier": Factored(_SMALL, (3, 1), False, 0.142, 0.348),
+    "hapke-lommel": Factored(_SMALL, (3, 1), False, 0.186, 0.464),
+    "nickel": Factored(_MEASURED, (2, 1), True, 0.201, 0.643),
+    "maroon-plastic": Factored(_MEASURED, (3, 1), True, 0.266, 0.874),
+    "blue-metallic-paint": Factored(_MEASURED, (4, 1), True, 0.118, 0.464),
+}
+
+
+def factored(material: str) -> Factored:
+    """Row of Table 1; of a material that is not in it, as it has the plastic, without errors."""
+    return TABLE_1.get(material, Factored(_MEASURED, (3, 1), True))

@@ -131,6 +131,8 @@ CALLS = [
         "effects-cost compare scenes/A --tables chalk.binary --fits fits/naive/chalk.npz"
         " -o x.csv --pictures y.exr",
     ),
+    ("factor", [], "factor hapke-lommel --resolution 4x1x8x8 -o x.npz"),
+    ("factorisation", [], "factorisation terms ward-isotropic --most 1x1 -o x.csv"),
     (
         "importance measure",
         ["npfm.rendering.sampling.cosine", *SHARED],

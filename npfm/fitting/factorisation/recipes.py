@@ -26,8 +26,10 @@ Array = NDArray[np.float64]
 
 #: Share of the samples, weighted by both cosines, that are darker than the Lambertian part.
 DARKER = 0.2
-#: A matrix of more entries is refused: 2 GB, with its product.
-MOST_ENTRIES = 2**26
+#: So many terms of either factorisation are more than any paper has.
+MOST_TERMS = 64
+#: A matrix of more entries is refused: with all that it is made of, it would take 2 GB.
+MOST_ENTRIES = 2**24
 
 
 @dataclass(frozen=True)
@@ -54,11 +56,13 @@ class Recipe:
         numbers = (*self.terms, *self.angles.shape)
         if min(numbers) < 1:
             raise NpfmError(f"terms and bins cannot be {min(numbers)}; give numbers from 1")
+        if max(self.terms) > MOST_TERMS:
+            raise NpfmError(f"{max(self.terms)} terms are more than {MOST_TERMS}; give fewer")
         if (entries := int(np.prod(self.angles.shape, dtype=float))) > MOST_ENTRIES:
             shape = "x".join(map(str, self.angles.shape))
             raise NpfmError(
                 f"a resolution of {shape} has {entries:.1e} values, more than "
-                f"{MOST_ENTRIES}; give less bins"
+                f"{MOST_ENTRIES}; give fewer bins"
             )
 
 

@@ -29,6 +29,8 @@ from npfm.reflectance.table import CHANNELS, Table
 Array = NDArray[np.float64]
 
 COEFFICIENTS = ("rho_d", "rho_s")
+#: What is minimised: the sum of squares, or the divergence.
+CRITERIA = ("least-squares", "kullback-leibler")
 MOST_LOBES = 4
 #: About so many samples are kept for the comparison of starts.
 COARSE, COARSE_EVALUATIONS, FINE_EVALUATIONS = 3_000, 12, 60
@@ -195,7 +197,7 @@ def fit(
 
     def fit_together(samples: Sequence[Samples]) -> CoupledFit:
         began = time.process_time()
-        divergence = criterion == "kullback-leibler"
+        divergence = criterion == CRITERIA[1]
         scale = np.array([channel.scale for channel in samples])
         value = np.stack([channel.value for channel in samples]) * scale[:, None, None, None]
         counts = np.stack([channel.weight > 0 for channel in samples])
@@ -259,6 +261,24 @@ def _shapes(coarse: _Problem, lobes: int) -> tuple[Array, str, int]:
     return shapes, ", ".join(names), evaluations
 
 
+def reflectance(form: Form, fit: Fit, light: Array, view: Array) -> Array:
+    """BRDF (3, q) in 1/sr of a fit at pairs of directions (q, 3) above the horizon, normal z."""
+    half = light + view
+    length = np.linalg.norm(half, axis=1)
+    theta_h, theta_d = (np.arccos(np.clip(x, 0, 1)) for x in (half[:, 2] / length, length / 2))
+    return _values(form, fit, Directions(theta_h, theta_d, light[:, 2], view[:, 2]))
+
+
+def _values(form: Form, fit: Fit, at: Directions) -> Array:
+    """BRDF (3,) + the shape of the directions, in 1/sr."""
+    p = {name: array.astype(float) for name, array in fit.parameters.items()}
+    rho_d, rho_s = p.pop("rho_d"), p.pop("rho_s")
+    lobes = np.stack(
+        [form.lobe({name: x[0, k] for name, x in p.items()}, at) for k in range(rho_s.shape[1])]
+    )
+    return np.stack([d + np.tensordot(s, lobes, 1) for d, s in zip(rho_d, rho_s, strict=True)])
+
+
 def parameter_count(form: Form, lobes: int) -> int:
     """Number of values stored for a material."""
     return len(CHANNELS) * (1 + lobes) + lobes * len(form.shape(np.array(form.bounds[0])))
@@ -270,15 +290,6 @@ def tabulate(form: Form, fit: Fit) -> Table:
     half = grid.phi_d_bins // 2
     cosines = (np.where(grid.above_horizon, c, 1.0)[..., :half] for c in grid.cosines)
     at = Directions(grid.theta_h[:, None, None], grid.theta_d[:, None], *cosines)
-    p = {name: array.astype(float) for name, array in fit.parameters.items()}
-    rho_d, rho_s = p.pop("rho_d"), p.pop("rho_s")
-    lobes = [
-        form.lobe({name: values[0, k] for name, values in p.items()}, at)
-        for k in range(rho_s.shape[1])
-    ]
-    values = [
-        d + sum(x * lobe for x, lobe in zip(s, lobes, strict=True))
-        for d, s in zip(rho_d, rho_s, strict=True)
-    ]
+    values = _values(form, fit, at)
     # Computed once for both halves of phi_d: exactly reciprocal.
     return as_table([np.concatenate([v, v[..., ::-1]], axis=-1) for v in values], grid)
