@@ -10,6 +10,8 @@ TABLE_1_NODES, MERL_NODES = 360, 90
 SECONDS = 1.0
 #: And that a fit of an anisotropic material takes (section 5.4).
 ANISOTROPIC_SECONDS = 20.0
+#: Bytes of a fit of one (section 5.3: 6 KB; 3 N_theta (1 + N_phi) numbers of section 5.1 are 98).
+ANISOTROPIC_BYTES = 6144
 #: A material of the UTIA database whose albedo depends on direction, which is lost (section 5.3).
 DIRECTIONAL_ALBEDO = "fabric106"
 #: Materials on which the fits of the shifted-gamma model failed (section 5.3).

@@ -8,6 +8,8 @@ from npfm.papers.measures import Finding
 
 #: By the name that a run has the model of Peng et al. 2017 under.
 LOBES = "shared lobes"
+#: And that of Dupuy et al. 2015.
+FACETS = "power iterations"
 NOT_UTIA = "the paper's materials are those of the UTIA database, and it does not say by which peak"
 
 
@@ -38,6 +40,12 @@ def size(evidence: Evidence) -> Finding:
     """How many values a fit has, of four bytes each."""
     count = int(evidence.bytes[evidence.variant(LOBES)]) // 4
     return Finding(f"{count}", count == peng2017.ANISOTROPIC_PARAMETERS, f"{count}")
+
+
+def small(evidence: Evidence, most: int) -> Finding:
+    """How many bytes a fit by power iterations has."""
+    count = int(evidence.bytes[evidence.variant(FACETS)])
+    return Finding(f"{count} bytes", count <= most, f"{count - most} bytes more")
 
 
 def of_one_material(evidence: Evidence, material: str) -> Finding:

@@ -19,9 +19,12 @@ def evidence(count, eight_bit=107.0, **more):
     fits = [(name, "power-iteration", "converged", 0.4) for name in names for _ in range(3)]
     return Evidence(
         psnr=pd.DataFrame(psnr, columns=["scene", "material", "variant", "psnr_db"]),
-        bytes=pd.Series({"shared-lobes": 8040, "power-iteration": 100}),
         fits=pd.DataFrame(fits, columns=["material", "variant", "status", "seconds"]),
-        **{"fidelity": pd.DataFrame(rows, columns=list(COLUMNS)), **more},
+        **{
+            "bytes": pd.Series({"shared-lobes": 8040, "power-iteration": 100}),
+            "fidelity": pd.DataFrame(rows, columns=list(COLUMNS)),
+            **more,
+        },
     )
 
 
@@ -38,6 +41,10 @@ def test_what_rests_on_the_database_is_not_judged_without_it():
         assert "12 materials" in why
     assert "107.00 dB; 50.00 dB with" in verdicts["average PSNR of the pictures"][2]
     assert "fabric106" in next(why for text, (_, _, why) in verdicts.items() if "albedo" in text)
+    size = "a fit takes no more than 6 KB"
+    assert verdicts[size][:2] == ("100 bytes", page.HOLDS)
+    large = evidence(1, bytes=pd.Series({"shared-lobes": 1, "power-iteration": 98280}))
+    assert judged(large)[size][1] == page.DIFFERS
     for text in ("values of a fit", "a fit takes less than 20 seconds", "fits cannot fail"):
         assert verdicts[text][1] == page.HOLDS, text
 
