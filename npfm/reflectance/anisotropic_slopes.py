@@ -12,6 +12,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from npfm.reflectance.microsurfaces import turned_scale
+
 Array = NDArray[np.float64]
 
 #: Amplitude of fine waves over the azimuth, as a share of the mean, above which a distribution is
@@ -144,8 +146,7 @@ def ggx_scale(D: Array, normals: Normals) -> Array:
     mean = np.sum(facets * np.exp(2j * phi))
     angle, ratio = np.angle(mean) / 2, (1 - np.abs(mean)) / (1 + np.abs(mean))
     alpha = _mean_absolute(slopes, angle)
-    axes = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    return axes * np.array([alpha, alpha * ratio]) ** 2 @ axes.T
+    return turned_scale((alpha, alpha * ratio), angle)
 
 
 def _mean_absolute(slopes: Array, angle: float) -> float:

@@ -49,8 +49,13 @@ def tangent(cosine: Array) -> Array:
 
 def turned_scale(alpha: tuple[float, float], turn: float) -> Array:
     """Scale matrix, shape (2, 2), of roughness along axes turned from x and y, in radians."""
-    axes = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    axes = turned_axes(turn)
     return axes * np.array(alpha) ** 2 @ axes.T
+
+
+def turned_axes(turn: float) -> Array:
+    """Columns x and y, shape (2, 2), turned by an angle in radians."""
+    return np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
 
 
 def scale_matrix(alpha_x: float, alpha_y: float, rho: float) -> Array:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.fitting.objective import Samples
+from npfm.reflectance.directional import Directional
 from npfm.reflectance.half_difference import HalfDifference
 
 #: Ngan et al. leave light and view directions beyond it out, Loew et al. theta_h and theta_d.
@@ -25,7 +26,7 @@ class Goal:
         In 1/sr.
     logarithmic : bool
         Whether T is log(1 + cos(theta_i) x), else it is x itself.
-    grid : HalfDifference
+    grid : HalfDifference or Directional
         Where the samples lie.
     """
 
@@ -33,7 +34,7 @@ class Goal:
     value: NDArray[np.float64]
     scale: NDArray[np.float64]
     logarithmic: bool
-    grid: HalfDifference
+    grid: HalfDifference | Directional
 
 
 def solid_angles(grid: HalfDifference) -> NDArray[np.float64]:

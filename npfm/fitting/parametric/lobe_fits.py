@@ -14,7 +14,7 @@ from npfm.fitting.channels import CoupledFit, fit_coupled, with_end
 from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples
 from npfm.fitting.parametric.author_metrics import Goal, Metric
-from npfm.fitting.parametric.lobes import NORMAL, Directions, Form, tabulate
+from npfm.fitting.parametric.lobes import NORMAL, Directions, Form, at_cells, tabulate
 from npfm.fitting.solvers.problem import NEGLIGIBLE
 from npfm.reflectance.table import CHANNELS, Table
 
@@ -72,13 +72,18 @@ def fit(name: str, form: Form, metric: Metric, table: Table, objective: Objectiv
 
 
 def _check_samples(name: str, goals: Sequence[Goal]) -> None:
-    counts = np.concatenate([(goal.weight > 0).any((1, 2, 3)) for goal in goals])
+    counts = np.concatenate([_any(goal.weight > 0) for goal in goals])
     for channel, there in zip(CHANNELS, counts, strict=True):
         if not there:
             raise NpfmError(
                 f"the {channel} channel has no sample within the angles that {name} is fitted to; "
                 "fit another model"
             )
+
+
+def _any(there: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Whether something is there in each channel."""
+    return np.asarray(there.reshape(len(there), -1).any(1))
 
 
 @dataclass(frozen=True)
@@ -105,10 +110,7 @@ class _Problem:
 
     @cached_property
     def directions(self) -> Directions:
-        grid = self.goal.grid
-        h, d, p = np.unravel_index(self.cells, grid.shape)
-        cosines = (cosine[h, d, p] for cosine in grid.cosines)
-        return Directions(grid.theta_h[h], grid.theta_d[d], *cosines)
+        return at_cells(self.goal.grid, self.cells)
 
     @cached_property
     def root_weight(self) -> NDArray:
@@ -231,14 +233,14 @@ def _trace(name: str, problem: _Problem, results: Sequence[_End], began: float) 
 def thinned(goal: Goal, count: int) -> NDArray[np.int64]:
     """Flat indices of about so many samples; of all, if some channel would be left with none.
 
-    Every n-th bin of phi_d in each row of a theta_h and a theta_d, n being any number, and from
-    row to row later by the golden ratio of n. So every bin of every angle has its share.
+    Every n-th bin of the last angle in each row of the others, n being any number, and from row to
+    row later by the golden ratio of n. So every bin of every angle has its share.
     """
     counts = (goal.weight > 0).reshape(len(goal.scale), -1)
     every = np.flatnonzero(counts.any(0))
     share = min(1.0, count / max(1, every.size))
-    row, phi_d = np.divmod(every, goal.grid.phi_d_bins)
-    kept = every[(phi_d * share + row * GOLDEN_RATIO) % 1 < share]
+    row, last = np.divmod(every, goal.grid.shape[-1])
+    kept = every[(last * share + row * GOLDEN_RATIO) % 1 < share]
     return kept if counts[:, kept].any(1).all() else every
 
 
@@ -249,6 +251,6 @@ def _parameters(problem: _Problem, x: NDArray, samples: Sequence[Samples]) -> di
     scale = problem.goal.scale / [channel.scale for channel in samples]
     peak = problem.form.lobe(shape, NORMAL)
     coefficients = {"rho_d": rho_d[:, 0] * scale, "rho_s": rho_s[:, 0] * scale / peak}
-    black = ~(problem.goal.value > 0).any((1, 2, 3))
+    black = ~_any(problem.goal.value > 0)
     coefficients = {name: np.where(black, 0.0, value) for name, value in coefficients.items()}
     return coefficients | {name: np.array([value]) for name, value in shape.items()}

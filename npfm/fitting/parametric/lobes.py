@@ -4,7 +4,7 @@ Every one is rho = rho_d + rho_s lobe(theta_h, theta_d, theta_i, theta_o).
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from npfm.fitting.channels import as_table, records_of, with_end
 from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, channel_samples, fold
+from npfm.reflectance.directional import Directional
+from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import CHANNELS, Table
 
 Shape = Mapping[str, NDArray | float]
@@ -23,12 +25,20 @@ class Directions:
     """Where a lobe is evaluated; arrays in radians, of shapes that broadcast.
 
     The cosines are positive.
+
+    Parameters
+    ----------
+    theta_h, theta_d, cos_i, cos_o : ndarray
+    vectors : tuple of three ndarray, shape (n, 3)
+        Half vectors, light and view over a surface with normal z and tangent x, where n is the
+        size of the others; empty where they are not known.
     """
 
     theta_h: NDArray
     theta_d: NDArray
     cos_i: NDArray
     cos_o: NDArray
+    vectors: tuple[NDArray, ...] = field(default=(), kw_only=True)
 
     @cached_property
     def cos_h(self) -> NDArray:
@@ -58,7 +68,26 @@ class Directions:
         return shadowing / (self.cos_i * self.cos_o)
 
 
-NORMAL = Directions(*(np.array([value]) for value in (0.0, 0.0, 1.0, 1.0)))
+NORMAL = Directions(
+    *(np.array([value]) for value in (0.0, 0.0, 1.0, 1.0)),
+    vectors=(np.array([[0.0, 0.0, 1.0]]),) * 3,
+)
+
+
+def at_cells(grid: HalfDifference | Directional, cells: NDArray) -> Directions:
+    """Directions of cells of a grid, which are given as flat indices."""
+    cosines = (np.broadcast_to(cosine, grid.shape).flat[cells] for cosine in grid.cosines)
+    if isinstance(grid, HalfDifference):
+        h, d, _ = np.unravel_index(cells, grid.shape)
+        return Directions(grid.theta_h[h], grid.theta_d[d], *cosines)
+    a, b, c, d = np.unravel_index(cells, grid.shape)
+    light, view = grid.light[a, b], grid.view[c, d]
+    # The sum is the same, to the last bit, with light and view exchanged.
+    half = light + view
+    length = np.linalg.norm(half, axis=-1)
+    half = half / length[:, None]
+    angles = np.arccos(np.minimum(half[:, 2], 1)), np.arccos(np.minimum(length / 2, 1))
+    return Directions(*angles, *cosines, vectors=(half, light, view))
 
 
 @dataclass(frozen=True)
@@ -98,15 +127,21 @@ def parameter_count(form: Form) -> int:
 def tabulate(form: Form, fit: Fit) -> Table:
     """Values of a fit at every cell of its grid, in 1/sr."""
     grid = fit.grid
-    half = grid.phi_d_bins // 2
-    cosines = (np.where(grid.above_horizon, c, 1.0)[..., :half] for c in grid.cosines)
-    directions = Directions(grid.theta_h[:, None, None], grid.theta_d[:, None], *cosines)
+    directional = isinstance(grid, Directional)
+    if directional:
+        directions = at_cells(grid, np.arange(grid.size))
+    else:
+        half = grid.phi_d_bins // 2
+        cosines = (np.where(grid.above_horizon, c, 1.0)[..., :half] for c in grid.cosines)
+        directions = Directions(grid.theta_h[:, None, None], grid.theta_d[:, None], *cosines)
     p = {name: array.astype(float) for name, array in fit.parameters.items()}
     rho_d, rho_s = p.pop("rho_d"), p.pop("rho_s")
     shapes = [dict(zip(p, values, strict=True)) for values in zip(*p.values(), strict=True)]
     lobes = [form.lobe(shape, directions) for shape in shapes]
     lobes = lobes * (len(CHANNELS) // len(lobes))
     values = [d + s * lobe for d, s, lobe in zip(rho_d, rho_s, lobes, strict=True)]
+    if directional:
+        return as_table([value.reshape(grid.shape) for value in values], grid)
     # Computed once for both halves of phi_d: exactly reciprocal.
     return as_table([np.concatenate([v, v[..., ::-1]], axis=-1) for v in values], grid)
 
