@@ -29,6 +29,7 @@ VERBS = {
     "light": "convert a light probe, or generate a light, as a lat-long EXR",
     "scene": "build the transport matrix of a scene",
     "render": "render a MERL table or a fit in a scene",
+    "interreflect": "render the light that objects of a scene reflect onto each other",
     "vary": "render an object whose material varies from place to place",
     "compare": "PSNR of pictures against a reference, and other metrics",
     "tables": "gather fits and pictures into the tables of a run",

@@ -4,12 +4,14 @@ import argparse
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from npfm.commands.outputs import output
 from npfm.commands.sources import table
 from npfm.errors import NpfmError
 from npfm.evaluation import effects_cost as costs
 from npfm.evaluation import tables
+from npfm.rendering.effects import EFFECTS
 from npfm.storage.names import distinct
 from npfm.storage.pictures import EXR, write_exr_parts
 
@@ -51,6 +53,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     compare.add_argument("--fits", nargs="+", required=True, help="a fit (.npz) of each table")
     compare.add_argument(
+        "--bounced-tables", nargs="*", default=[], help="EXRs of npfm interreflect, of each table"
+    )
+    compare.add_argument("--bounced-fits", nargs="*", default=[], help="the same of each fit")
+    compare.add_argument(
+        "--bounces", action="store_true", help="the scene is configured with that light"
+    )
+    compare.add_argument(
         "--pictures",
         type=output(EXR),
         required=True,
@@ -71,6 +80,9 @@ def run(arguments: argparse.Namespace) -> None:
         return
     if len(arguments.tables) != len(arguments.fits):
         raise NpfmError("--tables and --fits differ in number; name a fit of each table")
+    lit = [arguments.bounced_tables, arguments.bounced_fits]
+    if any(lit) and any(len(paths) != len(arguments.tables) for paths in lit):
+        raise NpfmError("--bounced-tables and --bounced-fits need one picture of each material")
     pairs = zip(arguments.tables, arguments.fits, strict=True)
     materials = [(table(measured), table(fit)) for measured, fit in pairs]
     shown = {
@@ -82,8 +94,23 @@ def run(arguments: argparse.Namespace) -> None:
         for name, scene in shown.items()
     }
     own = shown.pop("scene")
-    tables.write(arguments.output, costs.compare(Path(arguments.scene).name, own, shown))
+    bounced = costs.bounced(*lit) if any(lit) else None
+    if bounced:
+        parts = _with_bounced(parts, bounced.measured[-1], arguments.bounces)
+    name = Path(arguments.scene).name
+    tables.write(
+        arguments.output, costs.compare(name, own, shown, bounced, bounces=arguments.bounces)
+    )
     write_exr_parts(arguments.pictures, parts)
+
+
+def _with_bounced(parts: dict[str, NDArray], light: NDArray, bounces: bool) -> dict[str, NDArray]:
+    """Add the picture with light that bounces switched, and that light to all, if it is on."""
+    added = np.dstack([light, np.zeros(light.shape[:2])])
+    name = next(name for name, effect in EFFECTS.items() if effect.bounces)
+    if not bounces:
+        return parts | {name: parts["scene"] + added}
+    return {key: part + added for key, part in parts.items()} | {name: parts["scene"]}
 
 
 def _switched(arguments: list[str]) -> list[tuple[str, str]]:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from npfm.commands.numbers import positive, whole
 from npfm.commands.outputs import output
+from npfm.errors import NpfmError
 from npfm.reflectance import grids
 from npfm.reflectance.half_difference import MERL
 from npfm.rendering import assembly, effects, scenes, transport
@@ -38,6 +39,7 @@ in 1/sr) of each cell of a MERL table. Rendering is then one product a material.
 is for UTIA .bin files; with a shape, --grid directional 12x96x12x96, for finer ones.
 """
 
+BUILT = [name for name, effect in effects.EFFECTS.items() if not effect.bounces]
 RECORD = Kind("a record of a scene", ".json", marked(b'"effects"', b'"rays"', b'"nonzeros"'))
 
 
@@ -54,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="of the tables to be rendered: half-difference (MERL's) or directional (UTIA's), "
         "and its shape if that is not theirs (default: half-difference)",
     )
-    parser.add_argument("--effects", nargs="+", default=[], help=" and ".join(effects.EFFECTS))
+    parser.add_argument("--effects", nargs="+", default=[], help=" and ".join(BUILT))
     parser.add_argument(
         "--mesh", type=Path, help="mesh of the figure: PLY, OBJ, STL, glTF (default: ours)"
     )
@@ -102,6 +104,11 @@ def run(arguments: argparse.Namespace) -> str:
     scene = scenes.Scene(tuple(arguments.objects), tuple(arguments.effects), arguments.mesh)
     for warning in scene.warnings:
         print(f"npfm scene: warning: {warning}", file=sys.stderr)
+    if scene.bounces:
+        raise NpfmError(
+            "'interreflection' is no part of a matrix; leave it out here, "
+            "and add it to each picture by npfm interreflect and npfm render --bounced"
+        )
     grid = grids.parse(arguments.grid)
     registry.check_scene(arguments.sampling)
     check_size(arguments.output, arguments.resolution, arguments.resolution)

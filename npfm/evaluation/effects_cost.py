@@ -1,8 +1,12 @@
-"""What effects cost and change: a table from records of scenes, and from pictures in them."""
+"""What effects cost and change: a table from records of scenes, and from pictures in them.
+
+Switching most effects gives another transport matrix. Light that bounces is in none: it is added to
+the pictures of the scene as it is, for each material anew.
+"""
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,20 +21,35 @@ from npfm.reflectance.table import Table
 from npfm.rendering import transport
 from npfm.rendering.effects import EFFECTS
 from npfm.rendering.transport import Transport
+from npfm.storage.pictures import read_exr
 
 COLUMNS = (
-    "scene", "effect", "on", "build_seconds", "rays", "nonzeros", "psnr_change_db", "picture_db"
+    "scene", "effect", "on", "build_seconds", "rays", "nonzeros", "picture_seconds",
+    "psnr_change_db", "picture_db",
 )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Shown:
-    """Pictures in one scene, float32: of measurements and of fits, shape (materials, h, w, 3)."""
+    """Pictures in one scene, float32: of measurements and of fits, shape (materials, h, w, 3).
+
+    What is added to those of the matrix took `picture_seconds` of CPU time for each.
+    """
 
     record: Mapping
     matrix: Transport
     measured: NDArray[np.float32]
     fitted: NDArray[np.float32]
+    picture_seconds: float = 0.0
+
+    def brighter(self, bounced: "Bounced") -> "Shown":
+        """Return the scene with the light that bounces in it."""
+        return replace(
+            self,
+            measured=self.measured + bounced.measured,
+            fitted=self.fitted + bounced.fitted,
+            picture_seconds=bounced.seconds,
+        )
 
     @property
     def psnr_db(self) -> NDArray[np.float64]:
@@ -43,6 +62,15 @@ class Shown:
         foreground = self.matrix.foreground & other.matrix.foreground
         pairs = zip(self.measured, other.measured, strict=True)
         return np.array([psnr_or_gap(*pair, foreground)[0] for pair in pairs])
+
+
+@dataclass(frozen=True)
+class Bounced:
+    """Light that bounces: radiance as `Shown` has it, and mean CPU seconds of a picture."""
+
+    measured: NDArray[np.float32]
+    fitted: NDArray[np.float32]
+    seconds: float
 
 
 def read(paths: Sequence[str]) -> pd.DataFrame:
@@ -70,22 +98,51 @@ def show(scene: str, materials: Sequence[tuple[Table, Table]]) -> Shown:
     shown = [m for m, _ in materials] + [fit.where_measured(m) for m, fit in materials]
     values = columns(shown)
     matrix = transport.load(scene)
-    return Shown(_record(scene), matrix, *np.split(pictures(matrix, values), 2))
+    measured, fitted = np.split(pictures(matrix, values), 2)
+    return Shown(_record(scene), matrix, measured, fitted)
+
+
+def bounced(tables: Sequence[str], fits: Sequence[str]) -> Bounced:
+    """Read light that bounces off measurements and off fits.
+
+    Parameters
+    ----------
+    tables, fits : sequence of str
+        Pictures of ``npfm interreflect``, of each material; the record of its making is in a
+        ``.json`` beside each.
+
+    Raises
+    ------
+    NpfmError
+        If a picture or its record cannot be read.
+    """
+    measured, fitted = (np.stack([read_exr(p)[..., :3] for p in paths]) for paths in (tables, fits))
+    verb = "render the light again with npfm interreflect --record"
+    records = [_read(Path(path).with_suffix(".json"), ("seconds",), verb) for path in tables]
+    return Bounced(measured, fitted, float(np.mean([record["seconds"] for record in records])))
 
 
 def _record(scene: str) -> dict:
-    path = Path(f"{scene}.json")
+    verb = "build the scene again with npfm scene --record"
+    return _read(Path(f"{scene}.json"), ("effects", "seconds", "rays", "nonzeros"), verb)
+
+
+def _read(path: Path, keys: Sequence[str], verb: str) -> dict:
     try:
         record = json.loads(path.read_text())
-        return {key: record[key] for key in ("effects", "seconds", "rays", "nonzeros")}
+        return {key: record[key] for key in keys}
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise NpfmError(
-            f"{path}: cannot be read as the record of a scene ({error}); "
-            "build the scene again with npfm scene --record"
-        ) from error
+        raise NpfmError(f"{path}: cannot be read as the record of it ({error}); {verb}") from error
 
 
-def compare(name: str, own: Shown, switched: Mapping[str, Shown]) -> pd.DataFrame:
+def compare(
+    name: str,
+    own: Shown,
+    switched: Mapping[str, Shown],
+    bounced: Bounced | None = None,
+    *,
+    bounces: bool = False,
+) -> pd.DataFrame:
     """Compare a scene with itself, each effect switched off and on.
 
     Parameters
@@ -97,23 +154,35 @@ def compare(name: str, own: Shown, switched: Mapping[str, Shown]) -> pd.DataFram
     switched : mapping of str to Shown
         The scene with one effect switched, by the effect. An effect that is not there changes
         nothing in this scene: off and on are the same scene.
+    bounced : Bounced, optional
+        Light that bounces in it; without it, that is an effect that changes nothing.
+    bounces : bool
+        Whether the scene is configured with that light: then it is in the pictures with any other
+        effect switched, the same in all.
 
     Returns
     -------
     DataFrame
-        Columns `COLUMNS`, two rows an effect; other effects are as configured. psnr_change_db is
-        the PSNR of fits less that without the effect; picture_db is the PSNR of the
-        measurement's picture with that without the effect as the reference, over the pixels that
-        objects cover entirely in both. Both are means over the materials (`mean_db`).
+        Columns `COLUMNS`, two rows an effect; other effects are as configured. picture_seconds is
+        the CPU time of what is added to a picture. psnr_change_db is the PSNR of fits less that
+        without the effect; picture_db is the PSNR of the measurement's picture with that without
+        the effect as the reference, over the pixels that objects cover entirely in both. Both are
+        means over the materials (`mean_db`).
     """
+    lit = own.brighter(bounced) if bounced else own
     rows = []
-    for effect in EFFECTS:
-        pair = own, switched.get(effect, own)
-        off, on = pair[::-1] if effect in own.record["effects"] else pair
+    for effect, kind in EFFECTS.items():
+        if kind.bounces:
+            off, on = own, lit
+        else:
+            pair = [own, switched.get(effect, own)]
+            if bounced and bounces:
+                pair = [shown.brighter(bounced) for shown in pair]
+            off, on = pair[::-1] if effect in own.record["effects"] else pair
         for is_on, shown in enumerate((off, on)):
             cost = (shown.record[key] for key in ("seconds", "rays", "nonzeros"))
             change = mean_db(_gain(shown.psnr_db, off.psnr_db)), mean_db(shown.against(off))
-            rows.append((name, effect, is_on, *cost, *change))
+            rows.append((name, effect, is_on, *cost, shown.picture_seconds, *change))
     return pd.DataFrame(rows, columns=COLUMNS)
 
 

@@ -24,6 +24,7 @@ PANELS = (
     ("build_seconds", "seconds to build", 1.0),
     ("rays", "million shadow rays", 1e6),
     ("nonzeros", "million non-zeros of T", 1e6),
+    ("picture_seconds", "seconds added to a picture", 1.0),
     ("psnr_change_db", "change of the PSNR of fits (dB)", 1.0),
 )
 #: Changes below this are black, in dB of the peak of the picture (Bagher et al. 2016, section 5).

@@ -118,6 +118,15 @@ def _joined(blocks: Iterable[tuple[NDArray, ...]], pixels: int) -> tuple[NDArray
     return np.cumsum(indptr), np.concatenate(indices), np.concatenate(weights, axis=1)
 
 
+def camera_offsets(scene: Scene) -> NDArray[np.float64]:
+    """Where camera rays pass through a pixel, in [0, 1), shape (rays, 2)."""
+    offsets = np.array([[0.5, 0.5]])
+    for name in scene.simulated:
+        if film := EFFECTS[name].film:
+            offsets = film(offsets)
+    return offsets
+
+
 def _prepare(
     scene: Scene,
     environment: Environment,
@@ -128,9 +137,6 @@ def _prepare(
     power: float,
 ) -> Setup:
     effects = [EFFECTS[name] for name in scene.simulated]
-    offsets = np.array([[0.5, 0.5]])
-    for film in (effect.film for effect in effects if effect.film):
-        offsets = film(offsets)
     return Setup(
         objects=place(scene),
         obstacles=[effect.reaches for effect in effects if effect.reaches],
@@ -138,7 +144,7 @@ def _prepare(
         strategies=strategies,
         power=power,
         grid=grid,
-        offsets=offsets,
+        offsets=camera_offsets(scene),
         shifts=np.random.default_rng(seed).random((len(strategies), resolution**2, 1, 2)),
         counts=Counter(),
     )

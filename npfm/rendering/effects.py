@@ -1,7 +1,9 @@
-"""Effects: steps of building a transport matrix that a scene asks for by name.
+"""Effects: what a scene asks for by name beyond unshadowed light at the centres of pixels.
 
-A scene pays for no effect that it does not list. An effect changes one of the things that a scene
-without effects is made of: where camera rays pass through a pixel, or which light reaches a point.
+A scene pays for no effect that it does not list. Most are steps of building a transport matrix and
+change one of the things that a scene without effects is made of: where camera rays pass through a
+pixel, or which light reaches a point. Light that bounces is no matrix, for it is not linear in the
+BRDF: it is rendered beside the matrix, for one material at a time, and added to its picture.
 """
 
 from collections.abc import Callable, Sequence
@@ -60,7 +62,7 @@ def unshadowed(
 
 @dataclass(frozen=True)
 class Effect:
-    """A step of building T.
+    """A step of building T, or what is added to pictures.
 
     Parameters
     ----------
@@ -69,13 +71,20 @@ class Effect:
         with the effect, like `subdivide`.
     reaches : callable, optional
         Tells which light reaches which surface point, like `unshadowed`.
+    bounces : bool
+        Whether it is light that objects reflect onto each other, which T knows nothing of.
     """
 
     film: Callable[[NDArray], NDArray] | None = None
     reaches: Callable[[Sequence[Shape], NDArray, NDArray, NDArray], NDArray] | None = None
+    bounces: bool = False
 
 
-EFFECTS = {"antialiasing": Effect(film=subdivide), "visibility": Effect(reaches=unshadowed)}
+EFFECTS = {
+    "antialiasing": Effect(film=subdivide),
+    "visibility": Effect(reaches=unshadowed),
+    "interreflection": Effect(bounces=True),
+}
 
 
 def check_effects(names: Sequence[str]) -> None:

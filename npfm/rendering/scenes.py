@@ -60,16 +60,27 @@ class Scene:
         """Effects that it lists and that cannot change the picture.
 
         A sphere is convex: where light comes from above the horizon of a point, the sphere itself
-        is not in the way.
+        is not in the way, and no light of the sphere's own arrives.
         """
         if self.objects != ("sphere",):
             return ()
-        return tuple(name for name in self.effects if EFFECTS[name].reaches)
+        effects = ((name, EFFECTS[name]) for name in self.effects)
+        return tuple(name for name, effect in effects if effect.reaches or effect.bounces)
 
     @property
     def simulated(self) -> tuple[str, ...]:
         """Effects that it lists and that can change the picture."""
         return tuple(name for name in self.effects if name not in self.pointless)
+
+    @property
+    def built(self) -> tuple[str, ...]:
+        """Simulated effects that the transport matrix has in it."""
+        return tuple(name for name in self.simulated if not EFFECTS[name].bounces)
+
+    @property
+    def bounces(self) -> bool:
+        """Whether light that bounces is added to its pictures."""
+        return self.built != self.simulated
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -214,7 +214,7 @@ class Run:
         mesh, sampled = described.get("mesh"), described.get("sampling", {})
         return [
             *("--objects", *described["objects"]),
-            *option("--effects", _scene(described).simulated),
+            *option("--effects", _scene(described).built),
             *(["--mesh", path_word(self.user_file(mesh))] if mesh else []),
             *self.grid_options,
             *("--resolution", f"{self.config['resolution']}"),
@@ -223,6 +223,39 @@ class Run:
             *option("--sampling", sampled.get("strategies", [])),
             *(["--power", f"{sampled['power']}"] if "power" in sampled else []),
         ]
+
+    def bounced(self, picture: Mapping[str, str], folder: str | None = None) -> list[str]:
+        """Light that bounces in a scene that lists it, as a file: one, or none.
+
+        Parameters
+        ----------
+        picture : mapping of str to str
+            Its scene, material and variant; without a variant, it is of the measurement.
+        folder : str, optional
+            Of a study with variants of its own.
+        """
+        scene, variant = picture["scene"], picture.get("variant", "measured")
+        if not _scene(self.config["scenes"][scene]).bounces:
+            return []
+        return [f"{folder or self.folder}/bounced/{scene}/{picture['material']}/{variant}.exr"]
+
+    def bounced_options(self, scene: str) -> list[str]:
+        """Arguments of ``npfm interreflect`` for a scene."""
+        described = self.config["scenes"][scene]
+        mesh = described.get("mesh")
+        return [
+            *("--objects", *described["objects"]),
+            *option("--effects", _scene(described).built),
+            *(["--mesh", path_word(self.user_file(mesh))] if mesh else []),
+            *("--resolution", f"{self.config['resolution']}"),
+            *(["--paths", f"{described['paths']}"] if "paths" in described else []),
+            *(["--seed", f"{described['seed']}"] if "seed" in described else []),
+        ]
+
+    def bounced_code(self, *variants: str) -> str:
+        """Digest of the code that renders light that bounces off a variant, or the measurement."""
+        fitted = [name for name in variants if name in self.variants]
+        return command_code("interreflect", *self.model_modules(*fitted))
 
     def scene_code(self, scene: str) -> str:
         """Digest of the code that builds a scene, with the strategies that it is sampled by."""
@@ -292,6 +325,12 @@ def check(config: Mapping[str, Any]) -> Run:
             registry.check_grid(variant.model, grid.kind)
         except NpfmError as error:
             raise NpfmError(f"config: variants/{name}: {error}") from error
+    for scene, described in config["scenes"].items():
+        if grid.anisotropic and _scene(described).bounces:
+            raise NpfmError(
+                f"config: scenes/{scene}: interreflection is for tables on a half-difference grid; "
+                "take it off the list"
+            )
     return Run(config, materials, named, missing_fits(named, materials), grid)
 
 

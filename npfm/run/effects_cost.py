@@ -24,11 +24,30 @@ class Plan:
 
     @property
     def all_effects(self) -> list[str]:
-        """Effects that can be switched in any scene."""
+        """Effects that a scene is built anew for when they are switched, in any scene."""
         return sorted({effect for scene in self.run.scenes for effect in self.effects(scene)})
 
     def effects(self, scene: str) -> list[str]:
-        """Effects that can be switched in a scene: all that are not pointless in it."""
+        """Effects that T is built anew for when they are switched: not those pointless in it."""
+        return [name for name in self._switchable(scene) if not EFFECTS[name].bounces]
+
+    def bounced(self, scene: str, materials: Sequence[str]) -> tuple[list[str], list[str]]:
+        """Pictures of light that bounces, of measurements and of fits: none where it is pointless.
+
+        They are added to the pictures of the scene, which is not built anew for them.
+        """
+        if not any(EFFECTS[name].bounces for name in self._switchable(scene)):
+            return [], []
+        measured = f"{self.run.folder}/bounced/{scene}/{{}}/measured.exr"
+        fitted = f"{self.folder}/bounced/{scene}/{{}}.exr"
+        return [measured.format(m) for m in materials], [fitted.format(m) for m in materials]
+
+    def bounced_options(self, scene: str) -> list[str]:
+        """Arguments of ``npfm effects-cost compare`` about light that bounces."""
+        listed = self.run.bounced({"scene": scene, "material": self.run.materials[0]})
+        return ["--bounces"] if listed else []
+
+    def _switchable(self, scene: str) -> list[str]:
         return [name for name in EFFECTS if not self._run(scene, [name]).warnings]
 
     def switched(self, scene: str) -> list[str]:

@@ -41,6 +41,12 @@ CALLS = {
         "a.json",
     ),
     "render": ("{made}/A {made}/chalk.binary -o {out}/a.exr", "a.exr", "a.png"),
+    "interreflect": (
+        "{made}/chalk.binary --light {made}/grove.exr --objects figure --resolution 4 --paths 1"
+        " --record {out}/a.json -o {out}/a.exr",
+        "a.exr",
+        "a.json",
+    ),
     "vary": (
         "{made}/A {made}/chalk.binary {made}/chalk.npz --objects sphere -o {out}/a.exr",
         "a.exr",

@@ -30,7 +30,9 @@ def plan():
     return Plan(check(copy.deepcopy(DEFAULT)))
 
 
-@pytest.mark.parametrize(("scene", "effects"), [("A", ["antialiasing"]), ("B", list(EFFECTS))])
+@pytest.mark.parametrize(
+    ("scene", "effects"), [("A", ["antialiasing"]), ("B", ["antialiasing", "visibility"])]
+)
 def test_effects_are_switched_where_they_change_something(plan, scene, effects):
     assert plan.effects(scene) == effects
     folders = [f"results/default/effects/scenes/{scene}/{effect}" for effect in effects]
@@ -83,20 +85,48 @@ def test_changes_are_those_from_off_to_on_whichever_the_scene_has(scenes):
     having, bare = (costs.show(folder, materials) for folder in scenes)
     made = costs.compare("B", having, {"visibility": bare})
     assert tuple(made.columns) == costs.COLUMNS
-    assert made["effect"].tolist() == ["antialiasing"] * 2 + ["visibility"] * 2
-    assert made["on"].tolist() == [0, 1, 0, 1]
-    assert made["build_seconds"].tolist() == [3, 3, 2, 3]
+    assert made["effect"].tolist() == [name for name in EFFECTS for _ in range(2)]
+    assert made["on"].tolist() == [0, 1, 0, 1, 0, 1]
+    assert made["build_seconds"].tolist() == [3, 3, 2, 3, 3, 3]
     pairs = [[fit_psnr(folder, *pair) for pair in materials] for folder in scenes]
     expected = np.mean(np.subtract(*pairs))
     assert abs(expected) > 1e-3
-    np.testing.assert_allclose(made["psnr_change_db"], [0, 0, 0, expected], rtol=1e-4, atol=1e-12)
-    np.testing.assert_array_equal(np.isinf(made["picture_db"]), [True, True, True, False])
+    np.testing.assert_allclose(
+        made["psnr_change_db"], [0, 0, 0, expected, 0, 0], rtol=1e-4, atol=1e-12
+    )
+    np.testing.assert_array_equal(np.isinf(made["picture_db"]), [1, 1, 1, 0, 1, 1])
     pictures = [
         psnr(having.measured[k], bare.measured[k], bare.matrix.foreground) for k in range(2)
     ]
-    assert made["picture_db"].iloc[-1] == pytest.approx(np.mean(pictures))
+    assert made["picture_db"].iloc[3] == pytest.approx(np.mean(pictures))
     swapped = costs.compare("B", bare, {"visibility": having})
-    np.testing.assert_array_equal(swapped.iloc[2:], made.iloc[2:])
+    np.testing.assert_array_equal(swapped.iloc[2:4], made.iloc[2:4])
+
+
+def test_light_that_bounces_is_added_to_the_pictures_of_the_scene_as_it_is(scenes):
+    materials = [(a_table(1), a_table(2)), (a_table(3), a_table(4))]
+    having, bare = (costs.show(folder, materials) for folder in scenes)
+    light = np.random.default_rng(5).uniform(0, 30, (2, *having.measured.shape)).astype("f4")
+    bounced = costs.Bounced(*light, seconds=1.5)
+    lit = having.brighter(bounced)
+    without = costs.compare("B", having, {"visibility": bare})
+    for bounces in (False, True):
+        made = costs.compare("B", having, {"visibility": bare}, bounced, bounces=bounces)
+        rows = made[made["effect"] == "interreflection"]
+        assert rows["build_seconds"].tolist() == [3, 3]
+        assert rows["picture_seconds"].tolist() == [0, 1.5]
+        gain = np.mean(lit.psnr_db - having.psnr_db)
+        np.testing.assert_allclose(rows["psnr_change_db"], [0, gain])
+        assert rows["picture_db"].iloc[1] == pytest.approx(np.mean(lit.against(having)))
+        others = made["effect"] != "interreflection"
+        if not bounces:
+            np.testing.assert_array_equal(made[others], without[others])
+            continue
+        # Visibility changes pictures that have the light on both sides.
+        pair = having.brighter(bounced), bare.brighter(bounced)
+        expected = np.mean(np.subtract(*(shown.psnr_db for shown in pair)))
+        assert made["psnr_change_db"].iloc[3] == pytest.approx(expected)
+        assert made["picture_seconds"].tolist() == [1.5] * 4 + [0, 1.5]
 
 
 def test_the_picture_is_compared_where_both_scenes_are_covered(scenes):

@@ -19,7 +19,7 @@ def table():
                 changes = on and not refused
                 rays = 3e6 if scene == "B" and changes else 0
                 change = (-1.5, 20) if changes else (0, np.inf)
-                rows.append((scene, effect, on, 5 + 2 * changes, rays, 4e6, *change))
+                rows.append((scene, effect, on, 5 + 2 * changes, rays, 4e6, 0, *change))
     return pd.DataFrame(rows, columns=COLUMNS)
 
 

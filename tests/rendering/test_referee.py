@@ -12,7 +12,7 @@ from npfm.rendering.lights.environment import Environment, tabulate
 from npfm.rendering.scenes import CAMERA, Scene
 from npfm.rendering.transport import render
 
-mitsuba = pytest.importorskip("mitsuba", reason="the referee needs pip install npfm[referee]")
+mitsuba = pytest.importorskip("mitsuba", reason="the referee needs pip install npfm[mitsuba]")
 
 RESOLUTION = 16
 #: Independent renderings by the referee, from which its noise is known, and rays a pixel in each.

@@ -92,7 +92,7 @@ def test_unshadowed_sees_the_other_object_only_where_it_stands():
 
 def test_every_effect_changes_something():
     for effect in EFFECTS.values():
-        assert effect.film or effect.reaches
+        assert effect.film or effect.reaches or effect.bounces
 
 
 def test_partly_covered_pixels_share_their_light():

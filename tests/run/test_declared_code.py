@@ -76,6 +76,12 @@ CALLS = [
         " --sampling cosine -o x",
     ),
     ("render", [], "render scenes/A chalk.binary -o x.exr"),
+    (
+        "interreflect",
+        models("naive"),
+        "interreflect fits/naive/chalk.npz --measured chalk.binary --light lights/grove.exr"
+        " --objects figure --resolution 4 --paths 1 -o x.exr",
+    ),
     ("render", models("naive"), "render scenes/A fits/naive/chalk.npz -o x.exr"),
     (
         "tables psnr",

@@ -12,8 +12,26 @@ def test_the_target_switches_each_effect_once_and_builds_no_scene_again(finished
         for build in ("A/antialiasing", "C/visibility", "C/antialiasing")
         for suffix in ("", ".json")
     }
+    assert {name for name in made if "bounced/" in name and name.endswith(".exr")} == {
+        "bounced/C/chalk/measured.exr",
+        "effects/bounced/C/chalk.exr",
+    }
     tables = {"tables/effects.csv", "figures/effects.pdf", "figures/effects.png"}
     assert tables | {f"effects/{scene}.{kind}" for scene in "AC" for kind in ("csv", "exr")} < made
+
+
+def test_a_scene_that_lists_interreflection_has_it_rendered_for_each_picture(project):
+    scenes = {name: dict(scene) for name, scene in project.config["scenes"].items()}
+    scenes["C"]["effects"] = ["visibility", "interreflection"]
+    project.configure(scenes=scenes)
+    planned = project.planned()
+    pictures = ("measured", "bivariate", "naive", "old")
+    bounced = {name for name in planned if name.startswith("bounced/")}
+    assert {f"bounced/C/chalk/{name}.exr" for name in pictures} <= bounced
+    assert not [name for name in bounced if not name.startswith("bounced/C/")]
+    assert {f"renders/C/chalk/{name}.exr" for name in pictures} <= planned
+    # The matrix stays as it is, and so does what is without the effect.
+    assert not [name for name in planned if name.startswith(("scenes/", "renders/A/", "fits/"))]
 
 
 def test_a_pointless_effect_is_warned_of_once_and_reruns_nothing(project):

@@ -23,6 +23,21 @@ use rule scene as effects_scene with:
         ),
 
 
+use rule bounced_fit as effects_bounced_fit with:
+    input:
+        fit=f"{COST.standard}/{{material}}.npz",
+        table=rules.material.output,
+        light=lambda wildcards: RUN.light(wildcards.scene),
+        mesh=lambda wildcards: RUN.mesh(wildcards.scene),
+    output:
+        exr=f"{EFFECTS.folder}/bounced/{{scene}}/{{material}}.exr",
+        record=f"{EFFECTS.folder}/bounced/{{scene}}/{{material}}.json",
+    log:
+        f"{OUT}/logs/effects/bounced/{{scene}}/{{material}}.log",
+    params:
+        code=command_code("interreflect", *COST.standard_modules),
+
+
 use rule npfm as effects_compare with:
     input:
         scene=rules.scene.output.scene,
@@ -35,6 +50,12 @@ use rule npfm as effects_compare with:
         fits=expand(
             "{folder}/{material}.npz", folder=COST.standard, material=COST.materials
         ),
+        bounced_tables=lambda wildcards: EFFECTS.bounced(
+            wildcards.scene, COST.materials
+        )[0],
+        bounced_fits=lambda wildcards: EFFECTS.bounced(wildcards.scene, COST.materials)[
+            1
+        ],
     output:
         table=f"{EFFECTS.folder}/{{scene}}.csv",
         pictures=f"{EFFECTS.folder}/{{scene}}.exr",
@@ -50,11 +71,14 @@ use rule npfm as effects_compare with:
             input.scene,
             *option("--tables", input.tables),
             *option("--fits", input.fits),
+            *option("--bounced-tables", input.bounced_tables),
+            *option("--bounced-fits", input.bounced_fits),
             *("-o", output.table, "--pictures", output.pictures),
         ],
-        options=lambda wildcards: option(
-            "--switched", EFFECTS.switched(wildcards.scene)
-        ),
+        options=lambda wildcards: [
+            *option("--switched", EFFECTS.switched(wildcards.scene)),
+            *EFFECTS.bounced_options(wildcards.scene),
+        ],
 
 
 use rule npfm as effects_table with:

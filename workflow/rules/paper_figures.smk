@@ -23,11 +23,27 @@ use rule fit as weighting_fit with:
         options=lambda wildcards: WEIGHTING.study.variants[wildcards.variant].options,
 
 
+use rule bounced_fit as weighting_bounced with:
+    input:
+        fit=rules.weighting_fit.output.fit,
+        table=rules.material.output,
+        light=lambda wildcards: RUN.light(wildcards.scene),
+        mesh=lambda wildcards: RUN.mesh(wildcards.scene),
+    wildcard_constraints:
+        variant=any_of(WEIGHTING.added),
+    params:
+        code=lambda wildcards: WEIGHTING.study.bounced_code(wildcards.variant),
+
+
+ruleorder: weighting_bounced > bounced_fit
+
+
 use rule render_fit as weighting_render with:
     input:
         scene=rules.scene.output.scene,
         fit=rules.weighting_fit.output.fit,
         table=rules.material.output,
+        bounced=lambda wildcards: RUN.bounced(wildcards),
     wildcard_constraints:
         variant=any_of(WEIGHTING.added),
     params:

@@ -1,7 +1,57 @@
+# Of scenes that list interreflection, and what the target effects switches; by Mitsuba.
+use rule npfm as bounced_measured with:
+    input:
+        table=rules.material.output,
+        light=lambda wildcards: RUN.light(wildcards.scene),
+        mesh=lambda wildcards: RUN.mesh(wildcards.scene),
+    output:
+        exr=f"{OUT}/bounced/{{scene}}/{{material}}/measured.exr",
+        record=f"{OUT}/bounced/{{scene}}/{{material}}/measured.json",
+    log:
+        f"{OUT}/logs/bounced/{{scene}}/{{material}}/measured.log",
+    threads: 2
+    resources:
+        mem_mb=2500,
+        runtime=60,
+    params:
+        verb="interreflect",
+        code=RUN.bounced_code(),
+        files=lambda wildcards, input, output: [
+            *input.table,
+            *("--light", input.light),
+            *("--record", output.record, "-o", output.exr),
+        ],
+        options=lambda wildcards: RUN.bounced_options(wildcards.scene),
+
+
+use rule bounced_measured as bounced_fit with:
+    input:
+        fit=rules.fit.output.fit,
+        table=rules.material.output,
+        light=lambda wildcards: RUN.light(wildcards.scene),
+        mesh=lambda wildcards: RUN.mesh(wildcards.scene),
+    output:
+        exr=f"{OUT}/bounced/{{scene}}/{{material}}/{{variant}}.exr",
+        record=f"{OUT}/bounced/{{scene}}/{{material}}/{{variant}}.json",
+    log:
+        f"{OUT}/logs/bounced/{{scene}}/{{material}}/{{variant}}.log",
+    params:
+        code=lambda wildcards: RUN.bounced_code(wildcards.variant),
+        files=lambda wildcards, input, output: [
+            input.fit,
+            *("--measured", *input.table, "--light", input.light),
+            *("--record", output.record, "-o", output.exr),
+        ],
+
+
+ruleorder: bounced_measured > bounced_fit
+
+
 use rule npfm as render_measured with:
     input:
         scene=rules.scene.output.scene,
         table=rules.material.output,
+        bounced=lambda wildcards: RUN.bounced(wildcards),
     output:
         exr=f"{OUT}/renders/{{scene}}/{{material}}/measured.exr",
         png=f"{OUT}/renders/{{scene}}/{{material}}/measured.png",
@@ -15,6 +65,7 @@ use rule npfm as render_measured with:
         code=RUN.render_code("measured"),
         files=lambda wildcards, input, output: [
             *(input.scene, *input.table),
+            *option("--bounced", input.bounced),
             *("-o", output.exr),
         ],
         options=lambda wildcards: RUN.tone_options(wildcards.scene),
@@ -25,6 +76,7 @@ use rule render_measured as render_fit with:
         scene=rules.scene.output.scene,
         fit=rules.fit.output.fit,
         table=rules.material.output,
+        bounced=lambda wildcards: RUN.bounced(wildcards),
     output:
         exr=f"{OUT}/renders/{{scene}}/{{material}}/{{variant}}.exr",
         png=f"{OUT}/renders/{{scene}}/{{material}}/{{variant}}.png",
@@ -35,6 +87,7 @@ use rule render_measured as render_fit with:
         files=lambda wildcards, input, output: [
             *(input.scene, input.fit),
             *("--measured", *input.table),
+            *option("--bounced", input.get("bounced", [])),
             *("-o", output.exr),
         ],
 

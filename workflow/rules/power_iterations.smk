@@ -24,11 +24,27 @@ use rule fit as power_iterations_fit with:
         options=lambda wildcards: POWER.study.variants[wildcards.variant].options,
 
 
+use rule bounced_fit as power_iterations_bounced with:
+    input:
+        fit=rules.power_iterations_fit.output.fit,
+        table=rules.material.output,
+        light=lambda wildcards: RUN.light(wildcards.scene),
+        mesh=lambda wildcards: RUN.mesh(wildcards.scene),
+    output:
+        exr=f"{POWER.folder}/bounced/{{scene}}/{{material}}/{{variant}}.exr",
+        record=f"{POWER.folder}/bounced/{{scene}}/{{material}}/{{variant}}.json",
+    log:
+        f"{OUT}/logs/power_iterations/bounced/{{scene}}/{{material}}/{{variant}}.log",
+    params:
+        code=lambda wildcards: POWER.study.bounced_code(wildcards.variant),
+
+
 use rule render_fit as power_iterations_render with:
     input:
         scene=rules.scene.output.scene,
         fit=rules.power_iterations_fit.output.fit,
         table=rules.material.output,
+        bounced=lambda wildcards: RUN.bounced(wildcards, POWER.folder),
     output:
         exr=f"{POWER.folder}/renders/{{scene}}/{{material}}/{{variant}}.exr",
         png=f"{POWER.folder}/renders/{{scene}}/{{material}}/{{variant}}.png",
