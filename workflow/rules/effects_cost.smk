@@ -53,9 +53,9 @@ use rule npfm as effects_compare with:
         bounced_tables=lambda wildcards: EFFECTS.bounced(
             wildcards.scene, COST.materials
         )[0],
-        bounced_fits=lambda wildcards: EFFECTS.bounced(wildcards.scene, COST.materials)[
-            1
-        ],
+        bounced_fits=lambda wildcards: EFFECTS.bounced(
+            wildcards.scene, COST.materials
+        )[1],
     output:
         table=f"{EFFECTS.folder}/{{scene}}.csv",
         pictures=f"{EFFECTS.folder}/{{scene}}.exr",

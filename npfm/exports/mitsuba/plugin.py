@@ -21,7 +21,8 @@ from npfm.rendering.sampling.strategy import Given
 
 #: The type by which scenes name it.
 NAME = "npfm"
-#: Share of the directions that follow the cosine, if a scene says nothing else.
+#: Share of directions by the cosine of `normal-distribution`, if a scene says nothing else: the
+#: distribution knows nothing of a diffuse part, which other strategies have in them.
 COSINE_SHARE = 0.05
 #: Strategies are given a light, and these have no use for it.
 ANY_LIGHT = Environment(np.ones((1, 2, 3)))
@@ -40,7 +41,7 @@ def sampler(
     fit : str, optional
         Path of a fit (``.npz``) of the material, for strategies that need one.
     share : float
-        Of directions that follow the cosine, from 0 to 1.
+        Of directions by the cosine, from 0 to 1, with strategies that leave some light out.
 
     Raises
     ------
@@ -67,7 +68,7 @@ def bsdf_type(variant: str) -> type:
         """A measured or fitted material; reflects nothing on the back.
 
         Parameters in a scene: ``filename``, a MERL ``.binary`` or a fit; ``sampling``, a strategy;
-        ``fit``, what that follows; ``cosine``, the share of directions that follow the cosine.
+        ``fit``, what that follows; ``cosine``, the share of directions by the cosine.
         """
 
         def __init__(self, properties: Any, made: tuple[Reflectance, Sampler] | None = None):

@@ -7,6 +7,7 @@ import mitsuba as mi
 import numpy as np
 
 from npfm.errors import NpfmError
+from npfm.exports.mitsuba.angles import elevation
 from npfm.exports.mitsuba.arrays import bin_of, buffer, take
 from npfm.reflectance.half_difference import HALF_PI, HalfDifference
 from npfm.reflectance.table import Table
@@ -48,7 +49,7 @@ class Reflectance:
         """
         half, difference = view + light, light - view
         length = dr.norm(half)
-        theta_h = dr.atan2(dr.sqrt(dr.square(half.x) + dr.square(half.y)), half.z)
+        theta_h = elevation(half)
         theta_d = dr.atan2(dr.norm(difference), length)
         volume = view.x * light.y - view.y * light.x
         phi_d = dr.atan2(2 * volume, -length * difference.z)

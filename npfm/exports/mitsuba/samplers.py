@@ -14,9 +14,18 @@ import mitsuba as mi
 import numpy as np
 
 from npfm.errors import NpfmError, suggest
+from npfm.exports.mitsuba.angles import azimuth_between, elevation, mirrored, turned
 from npfm.exports.mitsuba.arrays import bin_of, buffer, drawn, take
+from npfm.exports.mitsuba.mixtures import BlinnPhong, Factored, Lafortune
 from npfm.reflectance.half_difference import HALF_PI
-from npfm.rendering.sampling import cosine, normal_distribution, per_view
+from npfm.rendering.sampling import (
+    blinn_phong,
+    cosine,
+    factored,
+    lafortune,
+    normal_distribution,
+    per_view,
+)
 from npfm.rendering.sampling.per_view import PerViewSampling
 from npfm.rendering.sampling.quantiles import QuantileSampling
 from npfm.rendering.sampling.strategy import Strategy
@@ -122,39 +131,6 @@ class WithCosine:
         return self.share * self.cosine.pdf(view, light) + (1 - self.share) * own
 
 
-def elevation(direction: Any) -> Any:
-    """Angle with the normal, exact where it is small; `direction` may be of any length."""
-    level = dr.sqrt(dr.square(direction.x) + dr.square(direction.y))
-    return dr.atan2(level, direction.z)
-
-
-def azimuth_between(view: Any, light: Any) -> Any:
-    """Azimuth of a light direction from the view's, in [-pi, pi]."""
-    x, y = _heading(view)
-    return dr.atan2(x * light.y - y * light.x, x * light.x + y * light.y)
-
-
-def turned(view: Any, z: Any, level: Any, azimuth: Any) -> Any:
-    """Direction of a height and a length along the surface, its azimuth counted from the view's."""
-    x, y = _heading(view)
-    sine, cosine = dr.sincos(azimuth)
-    return mi.Vector3f(level * (x * cosine - y * sine), level * (y * cosine + x * sine), z)
-
-
-def mirrored(view: Any, square: Any, azimuth: Any) -> Any:
-    """Light that half vectors, given by the squared sine of theta_h, mirror to the view."""
-    half = turned(view, dr.safe_sqrt(1 - square), dr.sqrt(square), azimuth)
-    return 2 * dr.dot(half, view) * half - view
-
-
-def _heading(view: Any) -> tuple[Any, Any]:
-    """Unit vector along the surface below the view; looking straight down, any."""
-    level = dr.sqrt(dr.square(view.x) + dr.square(view.y))
-    steep = level < 1e-7
-    safe = dr.select(steep, 1.0, level)
-    return dr.select(steep, 1.0, view.x / safe), dr.select(steep, 0.0, view.y / safe)
-
-
 def _cumulative(mass: np.ndarray) -> np.ndarray:
     summed = np.cumsum(mass, axis=-1)
     return summed / summed[..., -1:]
@@ -166,6 +142,9 @@ TWINS: Mapping[str, Callable[[Any], Sampler]] = MappingProxyType(
         cosine.NAME: lambda strategy: Cosine(),
         normal_distribution.NAME: Quantiles,
         per_view.NAME: PerView,
+        factored.NAME: Factored,
+        lafortune.NAME: Lafortune,
+        blinn_phong.NAME: BlinnPhong,
     }
 )
 
@@ -177,6 +156,9 @@ def check(name: str) -> None:
 
 
 def twin(name: str, strategy: Strategy, share: float) -> Sampler:
-    """Make what runs a strategy in Mitsuba, a share of its directions by the cosine."""
+    """Make what runs a strategy in Mitsuba.
+
+    A share of the directions is by the cosine where the strategy itself leaves some light out.
+    """
     sampler = TWINS[name](strategy)
-    return WithCosine(sampler, share) if share > 0 and name != cosine.NAME else sampler
+    return WithCosine(sampler, share) if share > 0 and isinstance(sampler, Quantiles) else sampler
