@@ -118,6 +118,8 @@ def _tabulated_surface(p: Parameters, grid: Directional) -> tuple[Array, Array]:
     [D] = p["D"]
     if D.shape != shape(grid):
         raise ValueError(f"D of shape {D.shape}, not {shape(grid)}")
+    if not (D.min() >= 0 and D.max() > 0):
+        raise ValueError("a D below 0, or 0 everywhere")
     summed = at_normals(D, normals(grid))
     covered, at = area(summed, normals(grid)), cells(grid)
     return looked_up(D, at.index, at.share) / covered, areas(summed / covered, grid)
