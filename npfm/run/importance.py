@@ -7,19 +7,24 @@ from npfm.papers import lawrence2004
 from npfm.rendering.sampling import registry
 from npfm.run.config import Run, check
 from npfm.run.datasets import available
+from npfm.run.study import fit_folders
 from npfm.run.words import option
 
 #: The light of the paper's Table 2, where a run has it.
 CONSTANT = "constant"
-#: What strategies follow that need a fit: a model, after which the recipe is called.
+#: What strategies follow that need a fit, by strategy and recipe: an entry of the key `variants`.
 FOLLOWED = {
-    "quantiles": "power-iteration",
-    "visible-slopes": "power-iteration",
-    "normal-distribution": "shared-lobes",
+    "factored/paper": {"name": "factored-paper", "model": "factored", "recipe": "paper"},
+    "factored/improved": {"name": "factored-improved", "model": "factored"},
+    "quantiles/power-iteration": {"name": "power-iteration", "model": "power-iteration"},
+    "visible-slopes/power-iteration": {"name": "power-iteration", "model": "power-iteration"},
+    "normal-distribution/shared-lobes": {"name": "shared-lobes", "model": "shared-lobes"},
 }
 #: Estimators by several strategies: the renderer's, and the first paper's (Bagher et al. 2016,
 #: appendix "Rendering Details").
-COMBINED = ("light+half-vector", "per-view+light+uniform^2")
+COMBINED = ("light+half-vector", "per-view+light+uniform^2", "light+factored/improved")
+#: Ways whose variance is shown over the picture.
+PICTURED = ("cosine", "half-vector", "per-view", "factored/paper", "factored/improved", *COMBINED)
 #: How many materials count if the dataset has none of those that the configuration names, and how
 #: many are shown by themselves.
 MOST_MATERIALS, MOST_SHOWN = 6, 2
@@ -72,10 +77,9 @@ class Plan:
 
     def fit(self, variant: str, material: str) -> str:
         """A fit of the study: the run's, if that has it."""
-        ours, theirs = self.study.variants[variant], self.run.variants.get(variant)
-        known = ours == theirs and material in self.run.materials
-        home = self.run.folder if known else self.folder
-        return f"{home}/fits/{variant}/{material}.npz"
+        theirs = fit_folders(self.run, self.study, self.folder)[variant]
+        own = f"{self.folder}/fits/{variant}"
+        return f"{theirs if material in self.run.materials else own}/{material}.npz"
 
     def fits(self, material: str) -> list[str]:
         """Fits that strategies follow."""
@@ -83,7 +87,7 @@ class Plan:
 
     def parameters(self, material: str) -> list[str]:
         """Arguments of ``npfm importance measure`` that say which strategy follows which fit."""
-        return [f"{name}/{model}={self.fit(model, material)}" for name, model in FOLLOWED.items()]
+        return [f"{name}={self.fit(entry['name'], material)}" for name, entry in FOLLOWED.items()]
 
     @property
     def effort_options(self) -> list[str]:
@@ -103,25 +107,30 @@ class Plan:
         theirs = [name for name in lawrence2004.MATERIALS if name in self.materials]
         return (theirs or list(self.materials))[:MOST_SHOWN]
 
+    @property
+    def images(self) -> list[str]:
+        """Pictures of the variance of these materials, in the last of the lights."""
+        return [f"{self.folder}/{self.lights[-1]}/{name}.exr" for name in self.shown]
+
+    @property
+    def pictured(self) -> list[str]:
+        """Ways whose variance is shown in them."""
+        return list(PICTURED)
+
 
 def _strategies() -> Iterator[str]:
-    """All strategies that can be made, each by itself."""
+    """All strategies that can be made, each by itself, with their recipes."""
     for name, declared in registry.strategies().items():
-        if name in FOLLOWED:
-            yield f"{name}/{FOLLOWED[name]}"
-        elif "parameters" not in declared.needs:
+        if "parameters" not in declared.needs:
             yield name
+        yield from (followed for followed in FOLLOWED if followed.partition("/")[0] == name)
 
 
 def plan(run: Run) -> Plan:
     """Work out what to measure."""
     known = set(available(run.config))
     wanted = [name for name in run.config["importance"]["materials"] if name in known]
-    dataset = run.config["dataset"] | {"materials": wanted or run.materials[:MOST_MATERIALS]}
-    entries = {name: name for name in FOLLOWED.values()}
-    for entry in run.config["variants"]:
-        name = entry if isinstance(entry, str) else entry["name"]
-        if name in entries:
-            entries[name] = entry
+    dataset = run.config["dataset"] | {"materials": wanted or list(run.materials[:MOST_MATERIALS])}
+    entries = {entry["name"]: entry for entry in FOLLOWED.values()}
     changes = {"dataset": dataset, "variants": list(entries.values())}
     return Plan(run, check({**run.config, **changes}))

@@ -72,6 +72,52 @@ use rule npfm as importance_table with:
         files=lambda wildcards, input, output: [*words(input), "-o", *output],
 
 
+# By figure: what draws it, what it is made from beside the table, and the words that say so.
+IMPORTANCE_FIGURES = {
+    "single": ("importance", [], ["--points", "independent"]),
+    "stratified": ("importance", [], ["--points", "sobol"]),
+    "samples": ("variance_samples", [], ["--materials", *IMPORTANCE.shown]),
+    "images": (
+        "variance_images",
+        IMPORTANCE.images,
+        [
+            *("--images", *IMPORTANCE.images),
+            *("--ways", *IMPORTANCE.pictured),
+        ],
+    ),
+    "estimators": ("estimators", [], []),
+}
+
+
+use rule npfm as importance_figure with:
+    input:
+        table=rules.importance_table.output,
+        more=lambda wildcards: IMPORTANCE_FIGURES[wildcards.figure][1],
+    output:
+        pdf=f"{OUT}/figures/importance_{{figure}}.pdf",
+        png=report(
+            f"{OUT}/figures/importance_{{figure}}.png",
+            caption="../report/importance_figure.rst",
+            category="Importance sampling",
+            labels={"result": "{figure}"},
+        ),
+    log:
+        f"{OUT}/logs/importance/figures/{{figure}}.log",
+    wildcard_constraints:
+        figure=any_of(IMPORTANCE_FIGURES),
+    params:
+        verb=lambda wildcards: f"figure {IMPORTANCE_FIGURES[wildcards.figure][0]}",
+        code=lambda wildcards: command_code(
+            "figure", f"npfm.figures.{IMPORTANCE_FIGURES[wildcards.figure][0]}"
+        ),
+        files=lambda wildcards, input, output: [
+            *([] if wildcards.figure == "images" else ["--table", *input.table]),
+            *("-o", *output),
+        ],
+        options=lambda wildcards: IMPORTANCE_FIGURES[wildcards.figure][2],
+
+
 rule importance:
     input:
         rules.importance_table.output,
+        expand(rules.importance_figure.output, figure=IMPORTANCE_FIGURES),
