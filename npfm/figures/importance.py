@@ -13,7 +13,7 @@ from npfm.evaluation.importance import INDEPENDENT, SOBOL
 from npfm.figures import style, ways
 
 #: Inches: a row, names of materials and what is above them, names of ways beside, the bar.
-ROW, HEAD, BESIDE, BAR = 0.135, 0.95, 1.75, 0.5
+ROW, HEAD, BESIDE, BAR = 0.135, 0.95, 2.0, 0.55
 #: Times the least variance at which the colours end.
 MOST = 1e3
 
@@ -63,10 +63,10 @@ def draw(table: pd.DataFrame, points: str) -> Figure:
             number = "of one sample" if points == INDEPENDENT else f"at {count:g} samples"
             ax.set_title(f"{light}: n_var {number}", pad=52)
             bar = figure.add_axes(
-                (1 - 0.9 * BAR / style.PAGE_WIDTH, bottom, 0.08 / style.PAGE_WIDTH, inside)
+                (1 - 0.85 * BAR / style.PAGE_WIDTH, bottom, 0.08 / style.PAGE_WIDTH, inside)
             )
-            figure.colorbar(image, cax=bar).set_label("times the least")
-            bar.set_yticks([0, 1, 2, 3], ["1", "10", "100", "1000"], fontsize=5)
+            figure.colorbar(image, cax=bar)
+            bar.set_yticks([0, 1, 2, 3], ["least", "x 10", "x 100", "x 1000"], fontsize=5)
     return figure
 
 

@@ -71,7 +71,12 @@ def draw(images: Mapping[str, Sequence[NDArray]], ways: Sequence[str]) -> Figure
                 ax.set_xlabel(number(np.nanmean(image)), labelpad=2)
             line[0].set_ylabel(name)
         for name, ax in zip(ways, axes[0], strict=True):
-            ax.set_title(textwrap.fill(name.replace("/", " "), LETTERS), pad=3)
+            ax.set_title(textwrap.fill(spaced(name), LETTERS), pad=3)
         bar = figure.colorbar(axes[0, 0].images[0], ax=axes, fraction=0.02, pad=0.01)
         bar.set_label("n_var of one sample, and its mean")
     return figure
+
+
+def spaced(way: str) -> str:
+    """Name of a part with spaces where lines may be broken."""
+    return way.replace("+", " + ").replace("/", " ").replace("^", ", power ")

@@ -55,7 +55,7 @@ def draw(table: pd.DataFrame, materials: Sequence[str]) -> Figure:
                 one = rows[(rows["material"] == material) & (rows["light"] == light)]
                 _draw(ax, one, looks)
                 ax.set_title(f"{material}, {light}")
-            line[0].set_ylabel("variance over the mean square")
+        figure.supylabel("variance over the mean square", fontsize="medium")
         for ax in axes[-1]:
             ax.set_xlabel("samples a pixel")
     return figure
