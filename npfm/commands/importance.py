@@ -79,7 +79,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--samples",
         nargs="+",
         type=whole(1),
-        default=[4, 16, 64, lawrence2004.SAMPLES],
+        default=[4, 16, lawrence2004.SAMPLES],
         help="samples a pixel of stratified estimates, from few to many",
     )
     measure.add_argument(

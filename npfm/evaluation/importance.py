@@ -27,7 +27,7 @@ COLUMNS = (*MEASURED, "improvement")
 FACTORED, PAPER = "factored", "paper"
 #: How the points of samples are spread: by themselves, or as the renderer's.
 INDEPENDENT, SOBOL = "independent", "sobol"
-#: Points that all ways share are of these strategies, and of those that are called `FACTORED`.
+#: Points that all ways share are of these strategies, and of the last that is called `FACTORED`.
 SHARED = ("light", "half-vector")
 PATTERN = re.compile(r"(?P<parts>[^\s^]+)(?:\^(?P<power>[0-9.]+))?")
 
@@ -166,7 +166,8 @@ def measure(
     integral = Integral(surface, environment, table)
     strategies = make(ways, Given(environment, table.grid, table), parameters)
     combined = [Combined(way.names, way.power) for way in ways]
-    shared = [name for name in strategies if name in SHARED or name.partition("/")[0] == FACTORED]
+    factored = [name for name in strategies if name.partition("/")[0] == FACTORED]
+    shared = [*SHARED, *factored[-1:]]
     count = max(1, effort.points // BATCHES)
     alone, mean = single(combined, strategies, integral, shared, count, effort.seed)
     square = (mean**2).mean()

@@ -14,7 +14,14 @@ from npfm.run.words import option
 CONSTANT = "constant"
 #: What strategies follow that need a fit, by strategy and recipe: an entry of the key `variants`.
 FOLLOWED = {
-    "factored/paper": {"name": "factored-paper", "model": "factored", "recipe": "paper"},
+    "factored/paper": {
+        "name": "factored-paper",
+        "model": "factored",
+        "recipe": "paper",
+        # The most terms that the paper has for a measured material (Table 1).
+        "outer": 4,
+        "inner": 1,
+    },
     "factored/improved": {"name": "factored-improved", "model": "factored"},
     "quantiles/power-iteration": {"name": "power-iteration", "model": "power-iteration"},
     "visible-slopes/power-iteration": {"name": "power-iteration", "model": "power-iteration"},
