@@ -45,6 +45,7 @@ FIGURES = {
     "settings": "PSNR (dB) and seconds against the number of starts and the tolerance",
     "effects_cost": "what each effect costs in each scene, and where it changes the picture",
     "importance": "variance of every way of sampling, for every material, as maps",
+    "improvement": "variance of ways of sampling over that of factored sampling, and as printed",
     "variance_samples": "variance of every way of sampling against samples a pixel",
     "variance_images": "variance of ways of sampling over the picture",
     "estimators": "what estimators of several strategies gain on the renderer's",

@@ -76,7 +76,7 @@ def gains(table: pd.DataFrame) -> pd.DataFrame:
     rows = ways.most_samples(table, SOBOL)
     rows = rows[rows["strategy"].str.contains("+", regex=False)]
     ours = rows[rows["way"] == OURS].set_index(["light", "material"])[["n_var", "seconds"]]
-    both = rows[rows["way"] != OURS].join(ours, on=["light", "material"], rsuffix="_ours")
+    both = rows[rows["way"] != OURS].join(ours.add_suffix("_ours"), on=["light", "material"])
     gain = both["n_var_ours"] / both["n_var"]
     faster = both["seconds_ours"] / both["seconds"]
     return both.assign(**dict(zip(PANELS, (gain, gain * faster), strict=True)))

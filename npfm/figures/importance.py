@@ -13,7 +13,7 @@ from npfm.evaluation.importance import INDEPENDENT, SOBOL
 from npfm.figures import style, ways
 
 #: Inches: a row, names of materials and what is above them, names of ways beside, the bar.
-ROW, HEAD, BESIDE, BAR = 0.135, 0.95, 2.0, 0.55
+ROW, HEAD, BESIDE, BAR = 0.135, 0.8, 2.0, 0.55
 #: Times the least variance at which the colours end.
 MOST = 1e3
 
@@ -61,7 +61,8 @@ def draw(table: pd.DataFrame, points: str) -> Figure:
             image = _draw(ax, values.reindex(names))
             count = rows["samples"].iloc[0]
             number = "of one sample" if points == INDEPENDENT else f"at {count:g} samples"
-            ax.set_title(f"{light}: n_var {number}", pad=52)
+            top = bottom + inside + 0.3 / height
+            figure.text(0.1 / style.PAGE_WIDTH, top, f"{light}\nn_var {number}", fontsize="large")
             bar = figure.add_axes(
                 (1 - 0.85 * BAR / style.PAGE_WIDTH, bottom, 0.08 / style.PAGE_WIDTH, inside)
             )

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import pandas as pd
 
-from npfm.evaluation.importance import INDEPENDENT, read
+from npfm.evaluation.importance import COLUMNS, read
 from npfm.figures import style
 
 #: One colour a strategy, those of `style`; open marks are the recipes after the first.
@@ -23,9 +23,12 @@ LOOKS = {
 }
 
 
-def read_labelled(path: str) -> pd.DataFrame:
-    """Read the table of npfm importance table, with a column `way`; errors are those of `read`."""
-    table = read(path)
+def read_labelled(path: str, *more: str) -> pd.DataFrame:
+    """Read the table of npfm importance table, with a column `way` and `more` numbers of its own.
+
+    Errors are those of `npfm.evaluation.tables.read`.
+    """
+    table = read(path, (*COLUMNS, *more))
     pairs = zip(table["strategy"], table["recipe"], strict=True)
     return table.assign(way=[label(*pair) for pair in pairs])
 
@@ -55,8 +58,3 @@ def most_samples(table: pd.DataFrame, points: str) -> pd.DataFrame:
     """Rows of points of a kind, of the largest number of samples."""
     rows = table[table["points"] == points]
     return rows[rows["samples"] == rows["samples"].max()]
-
-
-def of_points(points: str) -> str:
-    """What is said of points of a kind."""
-    return "one sample" if points == INDEPENDENT else "the renderer's points"

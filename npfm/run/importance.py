@@ -1,7 +1,8 @@
 """What the target `importance` measures beside a run: ways of sampling, materials and lights."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from npfm.papers import lawrence2004
 from npfm.rendering.sampling import registry
@@ -13,7 +14,7 @@ from npfm.run.words import option
 #: The light of the paper's Table 2, where a run has it.
 CONSTANT = "constant"
 #: What strategies follow that need a fit, by strategy and recipe: an entry of the key `variants`.
-FOLLOWED = {
+FOLLOWED: Mapping[str, Mapping[str, Any]] = {
     "factored/paper": {
         "name": "factored-paper",
         "model": "factored",

@@ -1,3 +1,4 @@
+from npfm.papers import lawrence2004
 from npfm.run.importance import plan as plan_importance
 
 IMPORTANCE = plan_importance(RUN)
@@ -76,6 +77,7 @@ use rule npfm as importance_table with:
 IMPORTANCE_FIGURES = {
     "single": ("importance", [], ["--points", "independent"]),
     "stratified": ("importance", [], ["--points", "sobol"]),
+    "improvement": ("improvement", [], ["--strategies", *lawrence2004.STRATEGIES]),
     "samples": ("variance_samples", [], ["--materials", *IMPORTANCE.shown]),
     "images": (
         "variance_images",
