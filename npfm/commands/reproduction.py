@@ -5,7 +5,7 @@ import os
 from pathlib import Path
 
 from npfm.commands.outputs import output
-from npfm.evaluation import tables
+from npfm.evaluation import importance, tables
 from npfm.evaluation.head_to_head import renderings as by_rendering
 from npfm.figures import figure10, renderings
 from npfm.papers import page
@@ -16,6 +16,7 @@ CODE = (
     "npfm.commands.outputs",
     "npfm.evaluation.tables",
     "npfm.evaluation.head_to_head",
+    "npfm.evaluation.importance",
     "npfm.figures.figure10",
     "npfm.papers.page",
     "npfm.papers.evidence",
@@ -45,6 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--materials", help="CSV made by npfm tables materials")
     add("--weighting", help="CSV made by npfm tables psnr, with and without compressive weight")
     add("--fits", help="CSV made by npfm tables fits")
+    add("--variance", help="CSV made by npfm importance table")
     add("--fidelity", help="CSV made by npfm tables fidelity")
     add("--published", help="CSV made by npfm tables published")
     add("--figures", nargs="*", default=[], help="figures (.png) to show beside the claims")
@@ -76,6 +78,7 @@ def _evidence(a: argparse.Namespace) -> Evidence:
         starts=starts(a.run, ours["material"].unique()),
         weighting=tables.read_psnr(a.weighting) if a.weighting else None,
         fits=tables.read(a.fits, FITS, ["seconds"]) if a.fits else None,
+        variance=importance.read(a.variance) if a.variance else None,
         fidelity=tables.read(a.fidelity, *FIDELITY) if a.fidelity else None,
         worst=[row.material for row in figure10.worst(a.run, rows, "independent-g")],
     )

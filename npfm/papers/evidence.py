@@ -58,6 +58,8 @@ class Evidence:
         Columns material, variant, seconds and status, a row each channel.
     fidelity : DataFrame, optional
         As `npfm.evaluation.fidelity` makes it.
+    variance : DataFrame, optional
+        As `npfm.evaluation.importance.gather` makes it.
     """
 
     psnr: pd.DataFrame
@@ -68,6 +70,7 @@ class Evidence:
     worst: Sequence[str] = ()
     fits: pd.DataFrame | None = None
     fidelity: pd.DataFrame | None = None
+    variance: pd.DataFrame | None = None
 
     def variant(self, model: str) -> str:
         """Name under which the run has a model of the paper.

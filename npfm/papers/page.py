@@ -7,13 +7,23 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from npfm.papers import bagher2016, claims, claims_anisotropic, dupuy2015, peng2017
+from npfm.papers import (
+    bagher2016,
+    claims,
+    claims_2004,
+    claims_anisotropic,
+    dupuy2015,
+    lawrence2004,
+    peng2017,
+)
 from npfm.papers.claims import Claim, Topic
 from npfm.papers.evidence import Evidence, Untestable
 from npfm.storage.files import Kind, marked, replacing
 
 TITLE = "# Does it reproduce? The run"
 PAGE = Kind("a page of claims", ".md", marked(TITLE.encode()))
+#: What is said of isotropic materials.
+TOPICS = (*claims.TOPICS, *claims_2004.TOPICS)
 HOLDS, DIFFERS, UNTESTABLE = "holds", "differs", "cannot be tested here"
 #: What the paper's measured tables are replaced with, by the kind of the dataset.
 TABLES = {
@@ -60,7 +70,7 @@ def write(
     distance : DataFrame, optional
         As `npfm.papers.authors_distance.distance` makes it, several materials together.
     """
-    topics = claims_anisotropic.TOPICS if dataset in ANISOTROPIC else claims.TOPICS
+    topics = claims_anisotropic.TOPICS if dataset in ANISOTROPIC else TOPICS
     found = [
         (topic, [(claim, *judged(claim, evidence)) for claim in topic.claims]) for topic in topics
     ]
@@ -100,8 +110,8 @@ def _whose(dataset: str) -> str:
     if dataset in ANISOTROPIC:
         return f"What {peng2017.SOURCE} and {dupuy2015.SOURCE} claim of anisotropic materials"
     return (
-        f"The claims of {bagher2016.SOURCE}, and at the end those of {peng2017.SOURCE} and of "
-        f"{dupuy2015.SOURCE}"
+        f"The claims of {bagher2016.SOURCE}, and at the end those of {peng2017.SOURCE}, of "
+        f"{dupuy2015.SOURCE} and of {lawrence2004.SOURCE}"
     )
 
 

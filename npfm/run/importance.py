@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from npfm.papers import lawrence2004
@@ -121,9 +122,9 @@ class Plan:
         return [f"{self.folder}/{self.lights[-1]}/{name}.exr" for name in self.shown]
 
     @property
-    def pictured(self) -> list[str]:
-        """Ways whose variance is shown in them."""
-        return list(PICTURED)
+    def images_options(self) -> list[str]:
+        """Arguments of ``npfm figure variance_images``."""
+        return [*option("--images", self.images), *option("--ways", PICTURED)]
 
 
 def _strategies() -> Iterator[str]:
@@ -142,3 +143,9 @@ def plan(run: Run) -> Plan:
     entries = {entry["name"]: entry for entry in FOLLOWED.values()}
     changes = {"dataset": dataset, "variants": list(entries.values())}
     return Plan(run, check({**run.config, **changes}))
+
+
+def variance_inputs(run: Run) -> list[str]:
+    """The table of the study, if it is there: the page of claims has it made for no other."""
+    table = f"{run.folder}/tables/variance.csv"
+    return [table] if Path(table).exists() else []

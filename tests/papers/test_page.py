@@ -11,8 +11,8 @@ from npfm.evaluation import tables
 from npfm.fitting import fits
 from npfm.fitting.fits import ChannelRecord, Fit, Trace
 from npfm.papers import authors_distance, page
-from npfm.papers.claims import TOPICS
 from npfm.papers.evidence import starts
+from npfm.papers.page import TOPICS
 from npfm.reflectance.half_difference import MERL
 from npfm.storage.pictures import write_png
 

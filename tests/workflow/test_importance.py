@@ -29,7 +29,10 @@ def test_the_target_measures_every_strategy(measured):
     assert set(table["samples"]) == {1, 4, 8}
     assert (table["low"] <= table["n_var"]).all() and (table["seconds"] > 0).all()
     images = read_exr_parts(results / "importance/cathedral/chalk.exr")
-    assert list(images)[-2:] == ["light+half-vector", "per-view+light+uniform^2"]
+    combined = ["light+half-vector", "per-view+light+uniform^2", "light+factored/improved"]
+    assert list(images)[-3:] == combined
+    for figure in ("single", "stratified", "improvement", "samples", "images", "estimators"):
+        assert (results / f"figures/importance_{figure}.pdf").stat().st_size > 0
     # What is fitted for the study alone is no part of the run.
     assert not (results / "fits/shared-lobes").exists()
     assert measured.planned("importance") == set()

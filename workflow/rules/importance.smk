@@ -82,10 +82,7 @@ IMPORTANCE_FIGURES = {
     "images": (
         "variance_images",
         IMPORTANCE.images,
-        [
-            *("--images", *IMPORTANCE.images),
-            *("--ways", *IMPORTANCE.pictured),
-        ],
+        IMPORTANCE.images_options,
     ),
     "estimators": ("estimators", [], []),
 }

@@ -1,3 +1,5 @@
+from npfm.run.importance import variance_inputs
+
 # What the page is made from, as far as the run has it: the option of each, and the file.
 CLAIMED = {
     "psnr": rules.psnr_table.output,
@@ -8,6 +10,9 @@ if RUN.grid.anisotropic:
     CLAIMED["fidelity"] = rules.fidelity_table.output
 if "naive" in RUN.variants:
     CLAIMED["materials"] = rules.materials_table.output
+# Not made for the page alone: it takes longer than the page.
+if variance_inputs(RUN):
+    [CLAIMED["variance"]] = variance_inputs(RUN)
 if WEIGHTING.columns:
     CLAIMED["weighting"] = rules.weighting_table.output
 if RUN.published_factors and "independent-g" in RUN.variants:
@@ -57,6 +62,11 @@ use rule npfm as reproduction with:
             *expand(f"{OUT}/figures/figure08_by_{{order}}.png", order=RUN.orders),
             *expand(f"{OUT}/figures/{{figure}}.png", figure=DRAWN),
             *([rules.fidelity_figure.output.png] if RUN.grid.anisotropic else []),
+            *(
+                f"{OUT}/figures/importance_{figure}.png"
+                for figure in ["improvement", "samples"]
+                if variance_inputs(RUN)
+            ),
         ],
     output:
         f"{OUT}/reproduction.md",
