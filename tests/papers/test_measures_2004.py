@@ -22,7 +22,7 @@ def evidence(exponent=-1.0, **changes):
         printed = lawrence2004.IMPROVEMENT[light][material]
         factors = dict(zip(lawrence2004.STRATEGIES, printed, strict=True))
         # What the paper says is more than its tables bear out.
-        factors["ashikhmin-shirley"] = max(2.0, factors["ashikhmin-shirley"])
+        factors["blinn-phong"] = max(2.0, factors["blinn-phong"])
         for (strategy, factor), n in itertools.product(
             [*factors.items(), ("factored", 1.0)], SAMPLES
         ):
