@@ -62,11 +62,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="the fit (.npz) that a strategy follows",
     )
     for name, lowest, default, what in (
-        ("--resolution", 4, 24, "pixels along one side"),
+        ("--resolution", 4, 20, "pixels along one side"),
         (
             "--points",
             1,
-            2048,
+            1024,
             "points of each strategy a pixel that variances of one sample are from",
         ),
         ("--repetitions", 2, lawrence2004.TRIALS, "of estimates by several samples"),

@@ -32,6 +32,8 @@ COEFFICIENTS = ("rho_d", "rho_s")
 #: What is minimised: the sum of squares, or the divergence.
 CRITERIA = ("least-squares", "kullback-leibler")
 MOST_LOBES = 4
+#: Share of its peak that a lobe has to show at a sample, or it does not count.
+UNSEEN = 1e-9
 #: About so many samples are kept for the comparison of starts.
 COARSE, COARSE_EVALUATIONS, FINE_EVALUATIONS = 3_000, 12, 60
 TOLERANCE = 1e-6  # smallest share by which an iteration must lower the criterion
@@ -79,7 +81,9 @@ class _Seen:
 
     def coefficients(self, lobes: Array) -> Array:
         """Best coefficients (1 + L,) of a diffuse part and lobes (L, samples)."""
-        columns = np.concatenate([np.ones((1, lobes.shape[1])), lobes])
+        # A lobe too narrow for any sample would have a coefficient beyond all bounds.
+        seen = lobes.max(axis=1, keepdims=True, initial=0) > UNSEEN
+        columns = np.concatenate([np.ones((1, lobes.shape[1])), np.where(seen, lobes, 0)])
         if not self.divergence:
             return nnls((columns * self.root).T, self.root * self.value)[0]
         return _least_divergence(columns, self.value, self.weight)

@@ -100,3 +100,12 @@ def test_a_divergence_is_the_sum_of_the_squares_of_its_residuals():
 def test_a_number_of_lobes_that_nobody_fits_is_refused(table, lobes):
     with pytest.raises(NpfmError, match="from 1 to 4"):
         fitted(lafortune.FORM, table, lobes, "least-squares")
+
+
+@pytest.mark.parametrize("divergence", [True, False])
+def test_a_lobe_that_no_sample_sees_has_no_coefficient(divergence):
+    value = np.linspace(1, 2, 50)
+    seen = mixtures._Seen(None, np.full(50, 0.02), value, 1.0, divergence)
+    rising, unseen = np.linspace(0, 1, 50), 1e-99 * np.linspace(1, 0, 50)
+    found = seen.coefficients(np.stack([rising, unseen]))
+    np.testing.assert_allclose(found, [1, 1, 0], atol=1e-3)
