@@ -8,6 +8,7 @@ except NpfmError as error:
 
 localrules:
     perception_pairs,
+    perception_correlations,
     perception_figure,
 
 
