@@ -15,15 +15,16 @@ from npfm.fitting.shared_lobes.starts import slices, start_states
 from npfm.fitting.solvers.problem import Solver
 
 #: Bins of phi_d that starts are compared on: every n-th.
-THINNING = 6
+THINNING = 9
 #: Least share of each lobe in the mean of a channel while starts are compared. With 0, random
 #: starts lose lobes for good, and end at many times the objective.
 ALIVE = 0.1
 #: Least share in the end, which asks for no derivative: a fit is no worse than a constant.
 FAINTEST = 1e-12
-#: Tolerances, in the solver's, of the fit of one lobe, of the comparison of starts and of the end:
-#: lobes of one material can be exchanged a little for hundreds of iterations, for next to nothing.
-SINGLE, COMPARED, FINAL = 1000.0, 30.0, 3.0
+#: Tolerances, in the solver's, of the fit of one lobe, of the comparison of starts, of the best on
+#: thinned samples and of the end: lobes of one material can be exchanged a little for hundreds of
+#: iterations, for next to nothing.
+SINGLE, COMPARED, THINNED, FINAL = 1000.0, 100.0, 30.0, 3.0
 
 
 def fit_lobes(
@@ -60,10 +61,12 @@ def fit_lobes(
     named = dict(islice(start_states(rough, one, seed), starts))
     state, traces = solve(rough, named, ease=COMPARED)
     best, *others = traces
+    state, (longer,) = solve(rough, {best.start: state}, ease=THINNED)
     last = {best.start: problem.unpack(rough.pack(state))}
     state, (trace,) = solve(problem, last, ease=FINAL)
     state = problem.with_coefficients(state, FAINTEST)
-    return by_width(state, samples[0].grid.theta_h), [_joined(best, trace), *others]
+    trace = _joined(_joined(best, longer), trace)
+    return by_width(state, samples[0].grid.theta_h), [trace, *others]
 
 
 def _rough(samples: Sequence[Samples], lobes: int, spline: bool) -> SharedLobesProblem:

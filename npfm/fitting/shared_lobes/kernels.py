@@ -70,6 +70,55 @@ def kernel_sums(
     return wk, wkk, wrk
 
 
+@compiled("(f8[:,::1], f8[:,::1], f8[:,:,::1], f8[:,:,:,::1], f8[:,:,::1], f8[::1], f8[::1])")
+def coefficient_equations(
+    D: Array, F: Array, wk: Array, wkk: Array, wrk: Array, w: Array, wr: Array
+) -> tuple[Array, Array]:
+    """Equations of rho_d and the rho_s of each channel: sums over its cells.
+
+    Parameters
+    ----------
+    D, F : ndarray, shapes (lobes, theta_h), (channels, theta_d)
+    wk, wkk, wrk : ndarray
+        See `kernel_sums`.
+    w, wr : ndarray, shape (channels,)
+        Sums of the weights and of the weighted values.
+
+    Returns
+    -------
+    matrix, right : ndarray, shapes (channels, lobes + 1, lobes + 1), (channels, lobes + 1)
+    """
+    channels, rows, lobes = wk.shape
+    nd = F.shape[1]
+    matrix, right = np.zeros((channels, lobes + 1, lobes + 1)), np.zeros((channels, lobes + 1))
+    b = np.zeros(lobes)
+    for c in range(channels):
+        matrix[c, 0, 0], right[c, 0] = w[c], wr[c]
+        for row in range(rows):
+            h, d = row // nd, row % nd
+            for k in range(lobes):
+                b[k] = D[k, h] * F[c, d]
+                matrix[c, 0, k + 1] += b[k] * wk[c, row, k]
+                right[c, k + 1] += b[k] * wrk[c, row, k]
+                for m in range(k + 1):
+                    matrix[c, m + 1, k + 1] += b[k] * b[m] * wkk[c, row, k, m]
+        for k in range(lobes + 1):
+            for m in range(k):
+                matrix[c, k, m] = matrix[c, m, k]
+    return matrix, right
+
+
+@compiled("(f8[:,::1],)")
+def _mirror(matrix: Array) -> None:
+    """Copy the upper triangle of a matrix to the lower one, tile by tile for the cache's sake."""
+    size, tile = len(matrix), 32
+    for top in range(0, size, tile):
+        for left in range(top, size, tile):
+            for row in range(top, min(top + tile, size)):
+                for column in range(max(left, row + 1), min(left + tile, size)):
+                    matrix[column, row] = matrix[row, column]
+
+
 @compiled(f"({SAMPLES}, {', '.join(['f8[:,::1]'] * 4)}, f8[::1])")
 def normal_equations(
     weight: Array,
@@ -90,7 +139,8 @@ def normal_equations(
     With x = rho_s D F K for a channel c and a lobe a, the derivative of the model is x in the
     logarithms of rho_s, of D and, summed over the lobes, of F. In log G of a node it is x times
     the node's part of G(theta_i) and of G(theta_o). What a row of phi_d has in common, rho_s D F,
-    is multiplied in at its end.
+    is multiplied in at its end. Lobes of a node lie beside each other here, so that a sample adds
+    to stretches of memory.
 
     Parameters
     ----------
@@ -111,88 +161,109 @@ def normal_equations(
     at_s = at_g + lobes * nodes
     at_d = at_s + channels * lobes
     gradient, matrix = np.zeros(at_d + channels), np.zeros((at_d + channels, at_d + channels))
-    k, part, place = np.zeros(lobes), np.zeros((lobes, 2 * taps)), np.zeros(2 * taps, np.int64)
+    # What multiplies the derivative in G: w of each channel, then w K of each channel and lobe.
+    kinds, read, g = channels * (lobes + 1), taps * lobes, np.ascontiguousarray(G.T)
+    slopes, factors = np.zeros(kinds), np.zeros((lobes, kinds))
+    row = np.zeros((nodes * lobes, kinds))
+    by_h, by_d = np.zeros((nodes * lobes, kinds)), np.zeros((nd, nodes * lobes, kinds))
+    same, crossed = (
+        np.zeros((nodes * lobes, nodes * lobes)),
+        np.zeros((nodes * lobes, nodes * lobes)),
+    )
+    descent = np.zeros(nodes * lobes)
+    k, part_i, part_o = np.zeros(lobes), np.zeros(read), np.zeros(read)
     x, xx = np.zeros((channels, lobes)), np.zeros((channels, lobes, lobes))
-    sum_w, sum_wr = np.zeros(channels), np.zeros(channels)
-    wk, wrk = np.zeros((channels, lobes)), np.zeros((channels, lobes))
+    wk, wrk = np.zeros(kinds), np.zeros(kinds)
     wkk = np.zeros((channels, lobes, lobes))
-    # Sums over a row of w K times the part of a node, and of w K K' times it.
-    row_k, row_kk = np.zeros((channels, lobes, nodes)), np.zeros((channels, lobes, lobes, nodes))
-    pair, slope = np.zeros((lobes, lobes)), np.zeros(lobes)
-    for row in range(rows):
-        h, d = row // nd, row % nd
+    pair, slope = np.zeros((lobes, read)), np.zeros(lobes)
+    for cell in range(rows):
+        h, d = cell // nd, cell % nd
         for c in range(channels):
             for a in range(lobes):
                 x[c, a] = rho_s[c, a] * D[a, h] * F[c, d]
+                factors[a, c] = x[c, a]
             for a in range(lobes):
                 for b in range(lobes):
                     xx[c, a, b] = x[c, a] * x[c, b]
-        sum_w[:] = 0.0
-        sum_wr[:] = 0.0
+                    factors[a, channels + c * lobes + b] = xx[c, a, b]
         wk[:] = 0.0
         wrk[:] = 0.0
         wkk[:] = 0.0
         lowest, highest = nodes, -1
         for p in range(columns):
-            inverse = inverse_cosines[row, p]
+            inverse = inverse_cosines[cell, p]
             if inverse == 0.0:
                 continue
-            i, o = first_i[row, p], first_o[row, p]
+            i, o = np.int64(first_i[cell, p]), np.int64(first_o[cell, p])
             lowest, highest = min(lowest, i, o), max(highest, i + taps - 1, o + taps - 1)
             for a in range(lobes):
                 g_i, g_o = 0.0, 0.0
                 for t in range(taps):
-                    part[a, t] = taps_i[row, p, t] * G[a, i + t]
-                    part[a, taps + t] = taps_o[row, p, t] * G[a, o + t]
-                    g_i += part[a, t]
-                    g_o += part[a, taps + t]
+                    part_i[t * lobes + a] = taps_i[cell, p, t] * g[i + t, a]
+                    part_o[t * lobes + a] = taps_o[cell, p, t] * g[o + t, a]
+                    g_i += part_i[t * lobes + a]
+                    g_o += part_o[t * lobes + a]
                 k[a] = g_i * g_o * inverse
                 for t in range(taps):
-                    part[a, t] *= g_o * inverse
-                    part[a, taps + t] *= g_i * inverse
+                    part_i[t * lobes + a] *= g_o * inverse
+                    part_o[t * lobes + a] *= g_i * inverse
                 slope[a] = 0.0
                 for b in range(lobes):
                     pair[a, b] = 0.0
-            for t in range(taps):
-                place[t], place[taps + t] = i + t, o + t
             for c in range(channels):
-                w = weight[c, row, p]
-                if w == 0.0:
-                    continue
+                w = weight[c, cell, p]
                 model = rho_d[c]
                 for a in range(lobes):
                     model += x[c, a] * k[a]
-                wr = w * model - weighted_value[c, row, p]
-                sum_w[c] += w
-                sum_wr[c] += wr
+                wr = w * model - weighted_value[c, cell, p]
+                slopes[c] = w
+                wk[c] += w
+                wrk[c] += wr
                 for a in range(lobes):
-                    wk[c, a] += w * k[a]
-                    wrk[c, a] += wr * k[a]
+                    at = channels + c * lobes + a
+                    slopes[at] = w * k[a]
+                    wk[at] += w * k[a]
+                    wrk[at] += wr * k[a]
                     slope[a] += wr * x[c, a]
-                    for t in range(2 * taps):
-                        row_k[c, a, place[t]] += w * part[a, t]
                     for b in range(lobes):
                         wkk[c, a, b] += w * k[a] * k[b]
                         pair[a, b] += w * xx[c, a, b]
-                        for t in range(2 * taps):
-                            row_kk[c, b, a, place[t]] += w * k[b] * part[a, t]
             for a in range(lobes):
-                for t in range(2 * taps):
-                    at = at_g + a * nodes + place[t]
-                    gradient[at] += slope[a] * part[a, t]
-                    for b in range(a, lobes):
-                        product = pair[a, b] * part[a, t]
-                        for u in range(2 * taps):
-                            matrix[at, at_g + b * nodes + place[u]] += product * part[b, u]
+                for j in range(lobes, read):
+                    pair[a, j] = pair[a, j - lobes]
+            for t in range(taps):
+                for a in range(lobes):
+                    share_i, share_o = part_i[t * lobes + a], part_o[t * lobes + a]
+                    at_i, at_o = (i + t) * lobes + a, (o + t) * lobes + a
+                    descent[at_i] += slope[a] * share_i
+                    descent[at_o] += slope[a] * share_o
+                    for m in range(kinds):
+                        row[at_i, m] += share_i * slopes[m]
+                    for m in range(kinds):
+                        row[at_o, m] += share_o * slopes[m]
+                    for m in range(read):
+                        same[at_i, i * lobes + m] += share_i * pair[a, m] * part_i[m]
+                    for m in range(read):
+                        same[at_o, o * lobes + m] += share_o * pair[a, m] * part_o[m]
+                    for m in range(read):
+                        crossed[at_i, o * lobes + m] += share_i * pair[a, m] * part_o[m]
+        for node in range(lowest, highest + 1):
+            for a in range(lobes):
+                at = node * lobes + a
+                for m in range(kinds):
+                    part = row[at, m] * factors[a, m]
+                    by_h[at, m] += part
+                    by_d[d, at, m] += part
+                    row[at, m] = 0.0
         for c in range(channels):
             rho, f = at_d + c, at_f + c * nd + d
-            matrix[rho, rho] += sum_w[c]
-            gradient[rho] += sum_wr[c]
+            matrix[rho, rho] += wk[c]
+            gradient[rho] += wrk[c]
             for a in range(lobes):
-                own, share = a * nh + h, at_s + c * lobes + a
+                own, share, at_k = a * nh + h, at_s + c * lobes + a, channels + c * lobes + a
                 for at in (own, f, share):
-                    gradient[at] += x[c, a] * wrk[c, a]
-                    matrix[at, rho] += x[c, a] * wk[c, a]
+                    gradient[at] += x[c, a] * wrk[at_k]
+                    matrix[at, rho] += x[c, a] * wk[at_k]
                 for b in range(lobes):
                     product = xx[c, a, b] * wkk[c, a, b]
                     if b >= a:
@@ -202,18 +273,34 @@ def normal_equations(
                     matrix[own, f] += product
                     matrix[own, at_s + c * lobes + b] += product
                     matrix[f, share] += product
-                for node in range(lowest, highest + 1):
-                    at = at_g + a * nodes + node
-                    matrix[at, rho] += row_k[c, a, node] * x[c, a]
-                    row_k[c, a, node] = 0.0
+        if d == nd - 1:
+            for a in range(lobes):
+                for node in range(nodes):
+                    at, to = node * lobes + a, at_g + a * nodes + node
+                    for c in range(channels):
+                        for b in range(lobes):
+                            matrix[b * nh + h, to] += by_h[at, channels + c * lobes + b]
+            by_h[:] = 0.0
+    for d in range(nd):
+        for a in range(lobes):
+            for node in range(nodes):
+                at, to = node * lobes + a, at_g + a * nodes + node
+                for c in range(channels):
+                    matrix[to, at_d + c] += by_d[d, at, c]
                     for b in range(lobes):
-                        product = row_kk[c, b, a, node] * xx[c, a, b]
-                        row_kk[c, b, a, node] = 0.0
-                        matrix[b * nh + h, at] += product
-                        matrix[f, at] += product
-                        matrix[at, at_s + c * lobes + b] += product
-    for at in range(at_d + channels):
-        matrix[at + 1 :, at] = matrix[at, at + 1 :]
+                        part = by_d[d, at, channels + c * lobes + b]
+                        matrix[at_f + c * nd + d, to] += part
+                        matrix[to, at_s + c * lobes + b] += part
+    for a in range(lobes):
+        for node in range(nodes):
+            at, to = node * lobes + a, at_g + a * nodes + node
+            gradient[to] = descent[at]
+            for b in range(lobes):
+                for other in range(nodes):
+                    m = other * lobes + b
+                    part = same[at, m] + crossed[at, m] + crossed[m, at]
+                    matrix[to, at_g + b * nodes + other] = part
+    _mirror(matrix)
     return gradient, matrix
 
 

@@ -29,7 +29,7 @@ CLAMP = 1e-6
 OBSERVED = 0.01
 #: The Gauss-Newton matrix, which needs most of the time, is made of about so many bins of phi_d,
 #: on which factors depend smoothly; gradient, objective and diagonal are those of all.
-MATRIX_BINS = 15
+MATRIX_BINS = 10
 #: A material is specular if its largest sample is more than so many weighted medians: of the MERL
 #: database, what has a highlight to be seen (fabrics 10, polyurethane-foam 50, nylon 8000).
 SPECULAR = 1000.0
@@ -177,14 +177,9 @@ class SharedLobesProblem:
     def _with_G(self, state: State, G: Array) -> State:
         return replace(state, G=G, sums=self._sums(G))
 
-    def _equations(self, state: State, channel: int) -> tuple[Array, Array]:
-        """Matrix and right-hand side of rho_d and the rho_s of a channel."""
-        B, (wk, wkk, wrk) = state.basis[channel], (x[channel] for x in state.sums)
-        matrix = np.empty((self.lobes + 1, self.lobes + 1))
-        matrix[0, 0] = self._w[channel]
-        matrix[0, 1:] = matrix[1:, 0] = np.sum(B * wk, axis=0)
-        matrix[1:, 1:] = np.sum(B[:, :, None] * B[:, None, :] * wkk, axis=0)
-        return matrix, np.append(self._wr[channel], np.sum(B * wrk, axis=0))
+    def _equations(self, state: State) -> tuple[Array, Array]:
+        """Matrices and right-hand sides of rho_d and the rho_s of every channel."""
+        return compiled().coefficient_equations(state.D, state.F, *state.sums, self._w, self._wr)
 
     def with_coefficients(self, state: State, floor: float | None = None) -> State:
         """Return the state with its best rho_d >= 0 and rho_s, no lobe being quite without.
@@ -193,8 +188,7 @@ class SharedLobesProblem:
         """
         floor = self.floor if floor is None else floor
         found = []
-        for channel in range(len(state.F)):
-            matrix, right = self._equations(state, channel)
+        for matrix, right in zip(*self._equations(state), strict=True):
             lower = np.zeros(right.size)
             reached = matrix[0] > 0
             reached[0] = False
@@ -206,8 +200,7 @@ class SharedLobesProblem:
     def objective(self, state: State) -> float:
         """Mean over the channels of the objective of equation 7 as a share, the floor included."""
         total = 0.0
-        for channel in range(len(state.F)):
-            matrix, right = self._equations(state, channel)
+        for channel, (matrix, right) in enumerate(zip(*self._equations(state), strict=True)):
             x = np.append(state.rho_d[channel], state.rho_s[channel])
             # A sum of squares, below 0 by rounding only.
             total += max(float(self._wrr[channel] + x @ (matrix @ x - 2 * right)), 0.0)
