@@ -5,7 +5,8 @@ With three lobes it has six numbers more than independent-g. The paper's solver 
 Catmull-Rom interpolation of G is the setting `spline`, for either solver.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from npfm.errors import NpfmError
 from npfm.fitting.channels import CoupledFit, as_table, fit_coupled, shared_traces
 from npfm.fitting.factors.microfacet import G_NODES
-from npfm.fitting.fits import Fit
+from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples, fold
 from npfm.fitting.shared_lobes.fit import fit_lobes
 from npfm.fitting.shared_lobes.places import places
@@ -32,14 +33,18 @@ SETTINGS = {
     "lobes": "how many lobes, 1 to 5 (default: 3)",
     "starts": "use only the first N of the three starts (default: 3)",
     "spline": "1 to read G along a Catmull-Rom spline, 0 linearly (default: 0)",
+    "shared": "1 if the channels share D and G, 0 if each has its own (default: 1)",
 }
 FREEDOMS = 7  # scalings of three D, of three G and of the F of a channel, which rho_s takes up
 LOBES, MOST_LOBES = 3, 5
 
 
-def parameter_count(grid: HalfDifference, lobes: int = LOBES, spline: int = 0) -> int:
+def parameter_count(
+    grid: HalfDifference, lobes: int = LOBES, spline: int = 0, shared: int = 1
+) -> int:
     """Number of values stored for a material: D, G, F, rho_s, rho_d, and 1 to mark a spline."""
-    factors = lobes * (grid.theta_h_bins + G_NODES) + 3 * grid.theta_d_bins
+    curves = lobes * (grid.theta_h_bins + G_NODES)
+    factors = curves * (1 if shared else 3) + 3 * grid.theta_d_bins
     return factors + 3 * (lobes + 1) + bool(spline)
 
 
@@ -52,6 +57,7 @@ def fit(
     lobes: int = LOBES,
     starts: int = STARTS,
     spline: int = 0,
+    shared: int = 1,
 ) -> Fit:
     """Fit the model from several starts and keep the best.
 
@@ -65,35 +71,63 @@ def fit(
         How many starts, and which: the first ones of `start_states`.
     spline : int
         Whether G is read along a spline: 0 or 1.
+    shared : int
+        Whether the channels share D and G: 0 or 1.
     """
     for name, value, least, most in (
         ("lobes", lobes, 1, MOST_LOBES),
         ("starts", starts, 1, STARTS),
         ("spline", spline, 0, 1),
+        ("shared", shared, 0, 1),
     ):
         if not least <= value <= most:
             raise NpfmError(f"{NAME} with {name} {value}: give a number from {least} to {most}")
     compiled()
 
+    def fitted(samples: Sequence[Samples]) -> tuple[State, list[Trace]]:
+        return fit_lobes(samples, solve, seed, lobes, starts, bool(spline))
+
     def fit_together(samples: Sequence[Samples]) -> CoupledFit:
-        # In an order of their own: permuted channels have permuted fits, to the last bit.
-        order = np.lexsort(np.transpose([[s.floor, s.energy, s.scale] for s in samples]))
-        state, traces = fit_lobes(
-            [samples[k] for k in order], solve, seed, lobes, starts, bool(spline)
-        )
-        back = np.argsort(order)
-        parameters = {
-            "D": state.D[None],
-            "F": state.F[back],
-            "G": state.G[None],
-            "rho_s": state.rho_s[back],
-            "rho_d": state.rho_d[back],
-        }
-        if spline:
-            parameters["spline"] = np.ones(1)
-        return CoupledFit(parameters, shared_traces(traces))
+        found = _together(samples, fitted) if shared else _each(samples, fitted)
+        mark = {"spline": np.ones(1)} if spline else {}
+        return replace(found, parameters=found.parameters | mark)
 
     return fit_coupled(NAME, table, objective, fit_together, tabulate, COEFFICIENTS)
+
+
+def _together(
+    samples: Sequence[Samples],
+    fitted: Callable[[Sequence[Samples]], tuple[State, list[Trace]]],
+) -> CoupledFit:
+    """Lobes that all channels share."""
+    # In an order of their own: permuted channels have permuted fits, to the last bit.
+    order = np.lexsort(np.transpose([[s.floor, s.energy, s.scale] for s in samples]))
+    state, traces = fitted([samples[k] for k in order])
+    back = np.argsort(order)
+    parameters = {
+        "D": state.D[None],
+        "F": state.F[back],
+        "G": state.G[None],
+        "rho_s": state.rho_s[back],
+        "rho_d": state.rho_d[back],
+    }
+    return CoupledFit(parameters, shared_traces(traces))
+
+
+def _each(
+    samples: Sequence[Samples],
+    fitted: Callable[[Sequence[Samples]], tuple[State, list[Trace]]],
+) -> CoupledFit:
+    """Lobes of its own for each channel."""
+    states, traces = zip(*(fitted([channel]) for channel in samples), strict=True)
+    parameters = {
+        "D": np.stack([state.D for state in states]),
+        "F": np.concatenate([state.F for state in states]),
+        "G": np.stack([state.G for state in states]),
+        "rho_s": np.concatenate([state.rho_s for state in states]),
+        "rho_d": np.concatenate([state.rho_d for state in states]),
+    }
+    return CoupledFit(parameters, traces)
 
 
 def linearised(
@@ -117,11 +151,15 @@ def tabulate(fit: Fit) -> Table:
     p = {name: array.astype(float) for name, array in fit.parameters.items()}
     at, shape = places(fit.grid, 1, "spline" in p), fit.grid.shape[:2]
     lobes = [
-        (D[:, None, None] * at.kernel(G).reshape(*shape, -1))
-        for D, G in zip(p["D"][0], p["G"][0], strict=True)
+        [
+            (D[:, None, None] * at.kernel(G).reshape(*shape, -1))
+            for D, G in zip(of_D, of_G, strict=True)
+        ]
+        for of_D, of_G in zip(p["D"], p["G"], strict=True)
     ]
     channels = []
-    for F, rho_s, rho_d in zip(p["F"], p["rho_s"], p["rho_d"], strict=True):
-        half = rho_d + F[:, None] * sum(s * lobe for s, lobe in zip(rho_s, lobes, strict=True))
+    for k, (F, rho_s, rho_d) in enumerate(zip(p["F"], p["rho_s"], p["rho_d"], strict=True)):
+        own = lobes[k % len(lobes)]
+        half = rho_d + F[:, None] * sum(s * lobe for s, lobe in zip(rho_s, own, strict=True))
         channels.append(np.concatenate([half, half[..., ::-1]], axis=-1))
     return as_table(channels, fit.grid)

@@ -57,8 +57,23 @@ def test_a_spline_is_kept_with_the_fit(table, fitted):
     assert "spline" not in fitted.parameters
 
 
+def test_lobes_of_its_own_fit_each_channel_by_itself(table, fitted):
+    own = fit_with(table, shared=0, starts=2)
+    assert own.parameters["D"].shape == (3, *fitted.parameters["D"].shape[1:])
+    assert own.parameter_count == shared_lobes.parameter_count(table.grid, shared=0)
+    for channel, record in enumerate(own.records):
+        alone = fit_with(Table(table.values[[channel] * 3], table.grid), shared=0, starts=2)
+        for name, array in own.parameters.items():
+            assert np.array_equal(alone.parameters[name][0], array[channel]), name
+        samples = channel_samples(table, channel, Objective())
+        made = shared_lobes.tabulate(own).values[channel] / samples.scale
+        assert evaluate(samples, made) / samples.energy == pytest.approx(record.objective)
+        assert record.objective < 1.02 * fitted.records[channel].objective
+
+
 @pytest.mark.parametrize(
-    "wrong", [{"lobes": 0}, {"lobes": 6}, {"starts": 0}, {"starts": 4}, {"spline": 2}]
+    "wrong",
+    [{"lobes": 0}, {"lobes": 6}, {"starts": 0}, {"starts": 4}, {"spline": 2}, {"shared": 2}],
 )
 def test_settings_out_of_range_are_refused(table, wrong):
     with pytest.raises(NpfmError, match=f"shared-lobes with {next(iter(wrong))}"):
