@@ -46,6 +46,7 @@ include: "workflow/rules/paper_figures.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/fidelity.smk"
 include: "workflow/rules/reproduction.smk"
+include: "workflow/rules/shared_lobes.smk"
 include: "workflow/rules/stability.smk"
 
 

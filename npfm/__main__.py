@@ -40,6 +40,7 @@ VERBS = {
     "accuracy-cost": "tables of what accuracy costs in time",
     "factorisation": "how accurate the factors of tables and formulas are",
     "importance": "how noisy a material is in a light, by the way directions are chosen",
+    "shared-lobes": "tables of what lobes that the channels share gain, and of sampling by D",
     "power-iterations": "tables of what power iterations find, and how well and fast",
     "perception": "how well metrics agree with what people see",
     "stability": "fit hard inputs, and gather how that went",

@@ -13,6 +13,7 @@ import pytest
 
 from npfm.__main__ import VERBS, main
 from npfm.evaluation import quality, stability, tables
+from npfm.evaluation.accuracy_cost import FITS
 from npfm.fitting import fits, registry
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective
@@ -31,6 +32,7 @@ CALLS = {
         "a.csv",
         "a.exr",
     ),
+    "shared-lobes psnr": ("{made}/compared.csv -o {out}/a.csv", "a.csv"),
     "tabulate": ("{made}/chalk.npz -o {out}/a.binary", "a.binary"),
     "texture": ("{made}/fits/independent-g/chalk.npz -o {out}/a.exr", "a.exr"),
     "light": ("{made}/grove.exr --layout lat-long --height 4 -o {out}/a.exr", "a.exr"),
@@ -132,6 +134,8 @@ def folder(tmp_path_factory, table, light_file):
     variants = ["bivariate", "independent-g"]
     summary = pd.DataFrame({"variant": variants, "scene": "all", "bytes": 1000})
     tables.write(made / "summary.csv", summary)
+    rows = [("chalk", "compared", "bivariate", "A", 1.0, 100, 40.0)]
+    tables.write(made / "compared.csv", pd.DataFrame(rows, columns=FITS))
     rows = pd.DataFrame(columns=stability.COLUMNS)
     tables.write(made / "stability.csv", rows)
     fits.save(made / "ggx.npz", registry.model("ggx").fit(table, Objective(), None, 1))

@@ -34,6 +34,10 @@ for line in sys.stdin:
 """
 
 
+#: Strategies that shared-lobes sampling compares, by the names of their files.
+LOBES_STRATEGIES = ("cosine", "half_vector", "light", "normal_distribution")
+
+
 def models(*names):
     return [registry.declared(name).module for name in names]
 
@@ -145,6 +149,15 @@ CALLS = [
         "importance measure chalk.binary --light lights/grove.exr --ways cosine --resolution 4"
         " --points 1 --samples 4 --repetitions 2 -o x.csv --images x.exr",
     ),
+    (
+        "shared-lobes",
+        [
+            *models("shared-lobes"),
+            *(f"npfm.rendering.sampling.{name}" for name in LOBES_STRATEGIES),
+        ],
+        "shared-lobes sampling lobes.npz --light lights/grove.exr --resolution 4 --samples 2"
+        " --reference-samples 4 --repetitions 1 -o x.csv",
+    ),
     ("power-iterations timing", [], "power-iterations timing --repeats 1 -o x.csv"),
     ("edit", models("power-iteration"), "edit power.npz --roughness 2 -o x.npz"),
     ("stability gather", [], "stability gather stability.csv -o x.csv"),
@@ -162,6 +175,8 @@ def folder(tmp_path_factory, light_file):
         f"fit {folder}/materials/chalk.binary --model naive --max-iterations 1"
         f" -o {folder}/fits/naive/chalk.npz",
         f"fit {folder}/materials/chalk.binary --model power-iteration -o {folder}/power.npz",
+        f"fit {folder}/materials/chalk.binary --model shared-lobes --lobes 1 --starts 1"
+        f" --max-iterations 1 -o {folder}/lobes.npz",
         f"light {light_file} --layout lat-long --height 8 -o {folder}/lights/grove.exr",
         f"scene --light {folder}/lights/grove.exr --objects sphere --resolution 8 --samples 8"
         f" --record {folder}/scenes/A.json -o {folder}/scenes/A",
