@@ -46,7 +46,7 @@ include: "workflow/rules/paper_figures.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/fidelity.smk"
 include: "workflow/rules/reproduction.smk"
-include: "workflow/rules/shared_lobes.smk"
+include: "workflow/rules/power_iterations.smk"
 include: "workflow/rules/stability.smk"
 
 
@@ -56,7 +56,7 @@ if not RUN.grid.anisotropic:
     include: "workflow/rules/effects_cost.smk"
     include: "workflow/rules/importance.smk"
     include: "workflow/rules/perception.smk"
-    include: "workflow/rules/power_iterations.smk"
+    include: "workflow/rules/shared_lobes.smk"
 
 
 rule all:
@@ -67,3 +67,4 @@ rule all:
         rules.quality_summary.output,
         rules.figures.input,
         rules.fidelity.input if RUN.grid.anisotropic else [],
+        rules.power_iterations.input if RUN.grid.anisotropic else [],

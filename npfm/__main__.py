@@ -20,15 +20,15 @@ from npfm.errors import NpfmError, NpfmWarning  # noqa: E402
 from npfm.storage.signals import stopping_cleanly  # noqa: E402
 
 VERBS = {
-    "material": "write one material of a dataset as a MERL .binary file",
-    "fit": "fit a model to a MERL .binary file",
+    "material": "write one material of a dataset as a MERL .binary or UTIA .bin file",
+    "fit": "fit a model to a MERL .binary or UTIA .bin file",
     "factor": "factor a table or a formula, to be sampled",
-    "tabulate": "write a fit as a MERL .binary file",
+    "tabulate": "write a fit as a MERL .binary or UTIA .bin file",
     "edit": "make the microfacets of a fit rougher or smoother",
     "texture": "write fits of many materials as one small EXR picture",
     "light": "convert a light probe, or generate a light, as a lat-long EXR",
     "scene": "build the transport matrix of a scene",
-    "render": "render a MERL table or a fit in a scene",
+    "render": "render a table or a fit in a scene",
     "interreflect": "render the light that objects of a scene reflect onto each other",
     "vary": "render an object whose material varies from place to place",
     "compare": "PSNR of pictures against a reference, and other metrics",

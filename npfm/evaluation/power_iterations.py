@@ -130,7 +130,8 @@ def surfaces(fits: Mapping[str, Fit]) -> pd.DataFrame:
     Parameters
     ----------
     fits : mapping of str to Fit
-        Of the model ``power-iteration``, by material.
+        Of the model ``power-iteration``, by material; or of ``ggx``, all of tables of both
+        directions.
 
     Returns
     -------
@@ -138,8 +139,11 @@ def surfaces(fits: Mapping[str, Fit]) -> pd.DataFrame:
         Columns material, alpha_ggx, alpha_beckmann; red, green, blue: F at normal incidence;
         alpha_flattened, that of GGX with the first bins of D made equal; first_bins, the slope at
         their upper edge; resolved, whether the two roughnesses are nearly the same. If not, the
-        surface is smoother than the table can tell.
+        surface is smoother than the table can tell. Of tables of both directions, in place of all
+        but the material and the colour: alpha_x, alpha_y and rho.
     """
+    if all(fit.grid.anisotropic for fit in fits.values()):
+        return _turned(fits)
     rows = []
     for material, fit in fits.items():
         D, grid = fit.parameters["D"][0].astype(float), fit.grid
@@ -152,3 +156,13 @@ def surfaces(fits: Mapping[str, Fit]) -> pd.DataFrame:
         rows.append((material, *numbers, resolved))
     names = ["material", "alpha_ggx", "alpha_beckmann", "red", "green", "blue"]
     return pd.DataFrame(rows, columns=[*names, "alpha_flattened", "first_bins", "resolved"])
+
+
+def _turned(fits: Mapping[str, Fit]) -> pd.DataFrame:
+    """Roughness along two axes, and how they are turned."""
+    names = ["alpha_x", "alpha_y", "rho"]
+    rows = []
+    for material, fit in fits.items():
+        head_on = fit.parameters["rho_s"] * fit.parameters["F"][:, 0]
+        rows.append((material, *(float(fit.parameters[name][0]) for name in names), *head_on))
+    return pd.DataFrame(rows, columns=["material", *names, "red", "green", "blue"])

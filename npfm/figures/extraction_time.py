@@ -15,6 +15,12 @@ PARTS = {
     "fresnel": "F of three channels",
     "once": "once for all materials of a grid",
 }
+#: The same of anisotropic surfaces.
+ANISOTROPIC = {
+    "circulant": "D: the eigenproblem, by Fourier transforms over the azimuth",
+    "dense": "D: the eigenproblem with the whole matrix",
+    "kernel": "once for all materials of a grid",
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,11 +49,13 @@ def draw(timing: pd.DataFrame) -> Figure:
     with style.context():
         figure = Figure(figsize=(style.COLUMN_WIDTH, 2.4), layout="constrained")
         ax = figure.subplots()
-        looks = zip(PARTS.items(), ("<", "8", "H", "d"), ("-", "-", "-", ":"), strict=True)
-        for (part, label), marker, line in looks:
+        parts = PARTS if "once" in seconds else ANISOTROPIC
+        for (part, label), marker in zip(parts.items(), "<8Hd", strict=False):
+            line = ":" if label.startswith("once") else "-"
             ax.plot(seconds.index, seconds[part], marker=marker, linestyle=line, label=label)
-        whole = seconds.drop(columns="once").sum(axis=1)
-        ax.plot(seconds.index, whole, color="black", marker="s", label="a material, D to F")
+        if parts is PARTS:
+            whole = seconds.drop(columns="once").sum(axis=1)
+            ax.plot(seconds.index, whole, color="black", marker="s", label="a material, D to F")
         ax.set(xscale="log", yscale="log", xlabel="backscattering samples")
         ax.set_ylabel("processor seconds")
         ax.set_xticks(list(seconds.index), [f"{nodes:g}" for nodes in seconds.index])

@@ -35,8 +35,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def make(arguments: argparse.Namespace) -> Figure:
     """Draw the figure from the pictures and the table that the arguments name."""
     a = arguments
-    table = tables.read(a.surfaces, ["material", "resolved"], ["alpha_ggx"])
-    return draw(a.pictures, a.materials, a.factors, table)
+    return draw(a.pictures, a.materials, a.factors, _surfaces(a.surfaces))
+
+
+def _surfaces(path: str) -> pd.DataFrame:
+    """Roughness by material, of either kind of surface."""
+    try:
+        return tables.read(path, ["material", "resolved"], ["alpha_ggx"])
+    except NpfmError:
+        return tables.read(path, ["material"], ["alpha_x", "alpha_y"])
 
 
 def draw(
@@ -51,7 +58,8 @@ def draw(
     materials, factors : sequence of str
         Rows and columns.
     surfaces : DataFrame
-        Columns material, alpha_ggx and resolved, which is ``True`` or ``False``.
+        Columns material, alpha_ggx and resolved, which is ``True`` or ``False``; or material,
+        alpha_x and alpha_y.
 
     Returns
     -------
@@ -81,6 +89,8 @@ def draw(
 
 
 def _roughness(surface: Mapping[Hashable, Any], factor: float) -> str:
+    if "alpha_x" in surface:
+        return f"$\\alpha$ {surface['alpha_x'] * factor:.2g}, {surface['alpha_y'] * factor:.2g}"
     if surface["resolved"] != "True":
         return "$\\alpha$ not resolved"
     return f"$\\alpha$ {surface['alpha_ggx'] * factor:.2g}"

@@ -20,6 +20,16 @@ FACTORS = ("0.25", "0.5", "1", "2", "4")
 #: Materials that are shown side by side, and at those roughnesses: from mirror to matte.
 SHOWN = (*dupuy2015.SHIFTED_GAMMA_FAILS, dupuy2015.WORSE, "chrome", "white-fabric2")
 EDITED = ("chrome", "alum-bronze", "nylon")
+#: The same of anisotropic ones, from the longest highlight on.
+SHOWN_ANISOTROPIC = (
+    "brushed-steel",
+    "milled-copper",
+    "lacquered-copper",
+    "shot-silk",
+    "finished-wood",
+    "satin",
+)
+EDITED_ANISOTROPIC = ("brushed-steel", "rolled-gold", "satin")
 
 
 @dataclass(frozen=True)
@@ -49,12 +59,14 @@ class Plan:
     @property
     def shown(self) -> list[str]:
         """Materials that are shown side by side."""
-        return chosen(SHOWN, self.run.materials)
+        wanted = SHOWN_ANISOTROPIC if self.run.grid.anisotropic else SHOWN
+        return chosen(wanted, self.run.materials)
 
     @property
     def edited(self) -> list[str]:
         """Materials that are shown at several roughnesses."""
-        return chosen(EDITED, self.run.materials)
+        wanted = EDITED_ANISOTROPIC if self.run.grid.anisotropic else EDITED
+        return chosen(wanted, self.run.materials)
 
     @property
     def objects_options(self) -> list[str]:
@@ -62,6 +74,16 @@ class Plan:
         objects = self.run.config["scenes"][self.scene]["objects"]
         meshes = [word for mesh in self.run.mesh(self.scene) for word in ("--mesh", mesh)]
         return ["--objects", *objects, *meshes]
+
+    @property
+    def known_options(self) -> list[str]:
+        """Arguments of the verbs that make surfaces of their own: the kind of the run's."""
+        return ["--anisotropic"] if self.run.grid.anisotropic else []
+
+    @property
+    def told(self) -> list[str]:
+        """Fits that roughness is read off."""
+        return self.fits("ggx" if self.run.grid.anisotropic else MODEL)
 
     def home(self, variant: str) -> str:
         """Folder with the fits and pictures of a variant: the run's, if that has it."""
@@ -103,5 +125,6 @@ def plan(run: Run) -> Plan:
         name = entry if isinstance(entry, str) else entry["name"]
         entries[name] = entry
     opponents = [next((n for n in names if n in run.variants), None) for names in OPPONENTS]
-    names = [MODEL, *filter(None, opponents), *CONVERSIONS]
+    others = run.variants if run.grid.anisotropic else filter(None, opponents)
+    names = list(dict.fromkeys([MODEL, *others, *CONVERSIONS]))
     return Plan(run, check({**run.config, "variants": [entries[name] for name in names]}))

@@ -3,10 +3,13 @@ import pandas as pd
 import pytest
 
 from npfm.__main__ import main
+from npfm.datasets import synthetic_anisotropic
 from npfm.fitting import fits
 from npfm.fitting.objective import Objective
-from npfm.models import bivariate, power_iteration
+from npfm.models import bivariate, ggx, power_iteration
 from npfm.papers import dupuy2015
+from npfm.reflectance.directional import UTIA
+from npfm.reflectance.table import Table
 
 
 def test_recovery_has_what_the_paper_prints_beside_it(tmp_path):
@@ -30,16 +33,49 @@ def test_surfaces_of_fits(tmp_path, table):
     assert np.isfinite(list(row.values())[1:]).all()
 
 
+def directional_fit(path, model):
+    values = synthetic_anisotropic.tabulate(synthetic_anisotropic.MATERIALS["cast-chrome"], UTIA)
+    fits.save(path, model.fit(Table(values, UTIA), Objective(), None, 1))
+
+
+def test_surfaces_of_tables_of_both_directions(tmp_path):
+    directional_fit(tmp_path / "chrome.npz", ggx)
+    output = tmp_path / "surfaces.csv"
+    assert main(["power-iterations", "surfaces", f"{tmp_path}/chrome.npz", "-o", str(output)]) == 0
+    [row] = pd.read_csv(output).to_dict("records")
+    assert list(row) == ["material", "alpha_x", "alpha_y", "rho", "red", "green", "blue"]
+    assert (row["alpha_x"], row["alpha_y"]) == pytest.approx((0.3, 0.33), rel=0.03)
+
+
+def test_anisotropic_surfaces_are_found_again_and_timed(tmp_path):
+    for kind, columns in (
+        ("recovery", ["alpha_error", "rho_error"]),
+        ("timing --repeats 1", ["nodes", "seconds"]),
+    ):
+        output = tmp_path / f"{kind.split()[0]}.csv"
+        assert main(f"power-iterations {kind} --anisotropic -o {output}".split()) == 0
+        assert {*columns} <= {*pd.read_csv(output).columns}
+    found = pd.read_csv(tmp_path / "recovery.csv")
+    assert (found.elevations * found.azimuths == 8100).all()
+    assert found.alpha_error.max() < 0.005
+    assert found.rho_error.max() < 0.01
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
         ("surfaces {0}/plain.npz", "a fit of 'bivariate'; give fits of power-iteration"),
         ("delta-e --measured {0} --fits ggx --materials a --images {0}/x.exr", "'ggx' has no '='"),
+        ("surfaces {0}/turned.npz", "a fit of 'power-iteration'; give fits of ggx"),
+        ("surfaces {0}/ggx.npz {0}/power.npz", "on another kind of grid than"),
         ("timing --repeats 0", "give a whole number of 1 or more"),
     ],
 )
 def test_mistakes_are_answered_in_one_line(capsys, tmp_path, table, arguments, said):
     fits.save(tmp_path / "plain.npz", bivariate.fit(table, Objective(), None, 1))
+    fits.save(tmp_path / "power.npz", power_iteration.fit(table, Objective(), None, 1))
+    directional_fit(tmp_path / "turned.npz", power_iteration)
+    directional_fit(tmp_path / "ggx.npz", ggx)
     output = tmp_path / "never.csv"
     call = f"power-iterations {arguments.format(tmp_path)} -o {output}"
     assert main(call.split()) == 1

@@ -53,6 +53,26 @@ def test_every_part_and_their_sum_are_drawn():
     np.testing.assert_allclose(lines["a material, D to F"], [3 * 4.5, 3 * 9])
 
 
+def test_of_anisotropic_surfaces_the_dense_matrix_ends_where_it_is_too_large():
+    rows = [(n, part, 0.1 * n) for n in (45, 90) for part in extraction_time.ANISOTROPIC]
+    figure = extraction_time.draw(pd.DataFrame(rows[:-2], columns=["nodes", "part", "seconds"]))
+    lines = {line.get_label(): line.get_ydata() for line in figure.axes[0].get_lines()}
+    assert list(lines) == list(extraction_time.ANISOTROPIC.values())
+    assert np.isnan(lines[extraction_time.ANISOTROPIC["dense"]][-1])
+
+
+def test_anisotropic_roughness_has_two_numbers(folder, tmp_path):
+    rows = [("steel", 0.05, 0.5), ("felt", 0.4, 0.4)]
+    table = pd.DataFrame(rows, columns=["material", "alpha_x", "alpha_y"])
+    tables.write(tmp_path / "surfaces.csv", table)
+    call = f"figure roughness --pictures {folder} --materials steel felt --factors 0.5 2 textured"
+    out = tmp_path / "a.png"
+    assert main(f"{call} --surfaces {tmp_path}/surfaces.csv -o {out}".split()) == 0
+    figure = roughness.draw(folder, MATERIALS, ["0.5", "2", "textured"], table)
+    told = [text.get_text() for ax in figure.axes for text in ax.texts]
+    assert told[:2] == ["$\\alpha$ 0.025, 0.25", "$\\alpha$ 0.1, 1"]
+
+
 def test_a_row_a_material_and_a_column_a_model(folder):
     columns = {"measured": folder} | dict.fromkeys(VARIANTS, folder)
     figure = side_by_side.draw(columns, MATERIALS, differences())

@@ -4,7 +4,7 @@ Beside the directional grid, two small ones stand here for any: one of bins, and
 interpolates and needs a tangent.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -274,6 +274,19 @@ def test_every_object_has_tangents_that_hang_together(name):
     apart = (tangent - normal)[beside]
     # One part of the knot may be before another that faces the same way.
     assert np.mean(apart > 5) < 0.03
+
+
+def test_a_mesh_without_threads_is_brushed_upwards_as_far_as_its_surface_goes():
+    """As a mesh of the user's is; continuous but where the surface faces up or down."""
+    (figure,) = place(Scene(("figure",)))
+    plain = replace(figure, threads=None)
+    centre = np.array([[0.5, 0.5]])
+    surface, _, _ = surfaces.look(CAMERA, (plain,), WHITE, centre, 64, tangents=True)
+    up = np.broadcast_to([0.0, 1.0, 0.0], surface.normal.shape)
+    np.testing.assert_allclose(surface.tangent, surfaces.across(up, surface.normal), atol=1e-12)
+    assert (surface.tangent[:, 1] > 0).all()
+    own, _, _ = surfaces.look(CAMERA, (figure,), WHITE, centre, 64, tangents=True)
+    assert not np.allclose(own.tangent, surface.tangent)
 
 
 def test_the_cloth_has_the_directions_of_its_threads():

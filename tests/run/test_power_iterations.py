@@ -53,3 +53,14 @@ def test_every_picture_is_compared_once():
 def test_presets_have_all_that_is_compared(preset):
     variants = yaml.safe_load((ROOT / f"workflow/presets/{preset}.yaml").read_text())["variants"]
     assert {MODEL, *CONVERSIONS, "ggx-fitted", "abc-published"} <= set(variants)
+
+
+def test_of_an_anisotropic_run_all_variants_are_compared_and_roughness_is_that_of_ggx():
+    anisotropic = {"kind": "synthetic-anisotropic", "materials": ["satin", "rolled-gold"]}
+    made = planned("beckmann", dataset=anisotropic)
+    assert list(made.study.variants) == [MODEL, "beckmann", "ggx"]
+    assert made.known_options == ["--anisotropic"]
+    assert {Path(path).parts[-2] for path in made.told} == {"ggx"}
+    assert set(made.edited) == set(made.shown) == {"satin", "rolled-gold"}
+    usual = planned(MODEL)
+    assert (usual.known_options, usual.told) == ([], usual.fits(MODEL))

@@ -130,11 +130,12 @@ use rule npfm as power_iterations_known with:
         verb=lambda wildcards: f"power-iterations {wildcards.kind}",
         code=POWER_CODE,
         files=lambda wildcards, output: ["-o", *output],
+        options=POWER.known_options,
 
 
 use rule npfm as power_iterations_surfaces with:
     input:
-        POWER.fits(MODEL),
+        POWER.told,
     output:
         report(
             f"{OUT}/tables/power_iterations_surfaces.csv",
