@@ -17,8 +17,8 @@ PARTS = {
 }
 #: The same of anisotropic surfaces.
 ANISOTROPIC = {
-    "circulant": "D: the eigenproblem, by Fourier transforms over the azimuth",
-    "dense": "D: the eigenproblem with the whole matrix",
+    "circulant": "D: by Fourier transforms",
+    "dense": "D: with the whole matrix",
     "kernel": "once for all materials of a grid",
 }
 
