@@ -73,7 +73,7 @@ def draw(images: Mapping[str, Sequence[NDArray]], ways: Sequence[str]) -> Figure
         for name, ax in zip(ways, axes[0], strict=True):
             ax.set_title(textwrap.fill(spaced(name), LETTERS), pad=3)
         bar = figure.colorbar(axes[0, 0].images[0], ax=axes, fraction=0.02, pad=0.01)
-        bar.set_label("n_var of one sample, and its mean")
+        bar.set_label("n_var of one sample")
     return figure
 
 
