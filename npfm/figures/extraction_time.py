@@ -61,5 +61,6 @@ def draw(timing: pd.DataFrame) -> Figure:
         ax.set_xticks(list(seconds.index), [f"{nodes:g}" for nodes in seconds.index])
         ax.minorticks_off()
         ax.grid(True)
-        ax.legend(fontsize=6)
+        # Where no line runs: "best" covers the end of the shortest one.
+        ax.legend(fontsize=6, loc="best" if parts is PARTS else "lower right")
     return figure
