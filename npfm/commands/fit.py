@@ -12,7 +12,7 @@ from npfm.commands.outputs import output
 from npfm.errors import NpfmError, suggest
 from npfm.fitting import fits, registry
 from npfm.fitting.fits import Fit
-from npfm.fitting.objective import Objective
+from npfm.fitting.objective import CELLS, Objective
 from npfm.fitting.registry import Model
 from npfm.fitting.solvers.choice import SOLVERS, chosen
 from npfm.fitting.solvers.problem import SolverSettings
@@ -87,6 +87,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--no-compressive", action="store_true", help="leave the compressive weight out"
     )
     parser.add_argument(
+        "--cells",
+        choices=CELLS,
+        default=objective.cells,
+        help="how much a cell of the table counts: by the paper's volume form, or by the solid "
+        "angles of light and view, for fits to look right (default: %(default)s)",
+    )
+    parser.add_argument(
         "--seed", type=whole(0), default=1, help="seed of random starts (default: 1)"
     )
 
@@ -96,7 +103,7 @@ def run(arguments: argparse.Namespace) -> str:
     model = registry.declared(arguments.model)
     own = _given(model, arguments)
     settings = SolverSettings(arguments.solver, arguments.tolerance, arguments.max_iterations)
-    objective = Objective(not arguments.no_compressive, arguments.max_angle)
+    objective = Objective(not arguments.no_compressive, arguments.max_angle, arguments.cells)
     with tqdm(desc=f"fit {arguments.model}", unit="start", disable=None) as progress:
         solve = chosen(settings, after_start=progress.update) if model.solver else _none
         table = read_table(arguments.table)

@@ -10,10 +10,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fitting.objective import counted, importance
-from npfm.fitting.parametric.author_metrics import solid_angles
-from npfm.reflectance.directional import Directional
-from npfm.reflectance.half_difference import HalfDifference
+from npfm.fitting.objective import counted, importance, solid_angles
+from npfm.reflectance.grids import Grid
 from npfm.reflectance.table import Table
 
 #: Largest theta_i and theta_o that count, in degrees; beyond it MERL is extrapolated.
@@ -23,10 +21,7 @@ LIMIT = 80.0
 BLACK = 1e-3
 
 
-Weighted = HalfDifference | Directional
-
-
-def distances(table: Table[Weighted], measured: Table[Weighted]) -> dict[str, float]:
+def distances(table: Table, measured: Table) -> dict[str, float]:
     """Root mean square differences of cube roots and of logarithms.
 
     Parameters
@@ -53,15 +48,8 @@ def distances(table: Table[Weighted], measured: Table[Weighted]) -> dict[str, fl
 
 
 @lru_cache(maxsize=1)
-def _weight(grid: Weighted) -> NDArray[np.float64]:
-    if isinstance(grid, HalfDifference):
-        inside = counted(grid, LIMIT)
-        return np.where(inside, solid_angles(grid) * importance(grid), 0.0)
-    light, view = (
-        np.where(theta <= np.deg2rad(LIMIT), np.cos(theta) * np.sin(theta), 0.0)
-        for theta in (grid.theta_i, grid.theta_o)
-    )
-    return np.broadcast_to(light[:, None, None, None] * view[:, None], grid.shape)
+def _weight(grid: Grid) -> NDArray[np.float64]:
+    return np.where(counted(grid, LIMIT), solid_angles(grid) * importance(grid), 0.0)
 
 
 def _rms(differences: NDArray, weights: NDArray) -> float:

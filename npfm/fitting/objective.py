@@ -10,7 +10,7 @@ from typing import Generic
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from npfm.errors import NpfmError
+from npfm.errors import NpfmError, suggest
 from npfm.reflectance.directional import Directional
 from npfm.reflectance.grids import Grid
 from npfm.reflectance.half_difference import HalfDifference
@@ -19,6 +19,10 @@ from npfm.reflectance.table import CHANNELS, G, Table
 #: Power of the compressive weight and steepness of the compressive function (section 4.1).
 COMPRESSION_POWER = 1.4
 COMPRESSION_ALPHA = np.log(2)
+#: How much a cell of a table counts: by the 2016 paper's volume form (equation 9), or by the solid
+#: angles of light and view that it stands for, as the eye sees them.
+VOLUME_FORM = "volume-form"
+CELLS = (VOLUME_FORM, "solid-angle")
 #: Samples of no more than this share of the largest are black beside it: twice the decades that
 #: the measured materials have.
 BLACK = 1e-12
@@ -36,17 +40,22 @@ class Objective:
         Whether the compressive weight (equation 11) is in the product; off for Figure 7.
     max_angle : float
         Largest theta_i and theta_o that count, in degrees.
+    cells : str
+        What w_V is on a half-difference grid, of `CELLS`; on others it is the solid angle.
 
     Raises
     ------
     NpfmError
-        If the angle is not above 0 and below 90.
+        If the angle is not above 0 and below 90, or the weight of cells is unknown.
     """
 
     compressive: bool = True
     max_angle: float = 89.0
+    cells: str = VOLUME_FORM
 
     def __post_init__(self) -> None:
+        if self.cells not in CELLS:
+            raise NpfmError(f"unknown weight of cells '{self.cells}'; {suggest(self.cells, CELLS)}")
         if not 0 < self.max_angle < 90:
             raise NpfmError(
                 f"the largest angle that counts cannot be {self.max_angle:g} degrees; "
@@ -102,16 +111,24 @@ def volume_form(grid: HalfDifference) -> NDArray[np.float64]:
     return 2 * np.sqrt(grid.theta_h)[:, None, None] * spread
 
 
-def solid_angles(grid: Directional) -> NDArray[np.float64]:
-    """Weight w_V of each cell of a directional grid: what its light and its view stand for.
+def solid_angles(grid: Grid) -> NDArray[np.float64]:
+    """Weight w_V of each cell by the solid angles of light and view that it stands for.
 
-    Each elevation stands for half the way to its neighbours, the first for a cap around the normal.
+    On a half-difference grid 4 cos(theta_d) sin(theta_d) sin(theta_h) d(theta_h) d(theta_d)
+    d(phi_d), with the d(theta_h) of bins uniform in sqrt(theta_h). On a directional one each
+    elevation stands for half the way to its neighbours, the first for a cap around the normal.
     Global constants are left out.
 
     Returns
     -------
     ndarray, shape grid.shape
     """
+    if isinstance(grid, HalfDifference):
+        theta_h, theta_d = grid.theta_h[:, None, None], grid.theta_d[:, None]
+        weight = np.sqrt(theta_h) * np.sin(theta_h) * np.sin(2 * theta_d)
+        return np.broadcast_to(weight, grid.shape)
+    if not isinstance(grid, Directional):
+        raise TypeError(f"no weights are known for {grid.name}")
     shares = []
     for theta in (grid.theta_i, grid.theta_o):
         step = np.pi / 2 / len(theta)
@@ -126,14 +143,12 @@ def importance(grid: Grid) -> NDArray[np.float64]:
 
 
 @lru_cache(maxsize=2)
-def _geometric_weight(grid: Grid, max_angle: float) -> NDArray[np.float64]:
+def _geometric_weight(grid: Grid, max_angle: float, cells: str) -> NDArray[np.float64]:
     """w_V w_I of the cells that count, 0 elsewhere."""
-    if isinstance(grid, HalfDifference):
+    if isinstance(grid, HalfDifference) and cells == VOLUME_FORM:
         volume = volume_form(grid)
-    elif isinstance(grid, Directional):
-        volume = solid_angles(grid)
     else:
-        raise TypeError(f"no weights are known for {grid.name}")
+        volume = solid_angles(grid)
     return np.where(counted(grid, max_angle), volume * importance(grid), 0.0)
 
 
@@ -210,7 +225,7 @@ def channel_samples(table: Table, channel: int, objective: Objective) -> Samples
             f"the {CHANNELS[channel]} channel has entries that are NaN or infinite; mark missing "
             "samples with a negative value, as MERL does"
         )
-    weight = _geometric_weight(table.grid, objective.max_angle)
+    weight = _geometric_weight(table.grid, objective.max_angle, objective.cells)
     usable = (weight > 0) & (measured >= 0)
     if not usable.any():
         raise NpfmError(

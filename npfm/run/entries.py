@@ -98,6 +98,7 @@ def _variant(entry: Mapping[str, Any], model: Model, config: Mapping[str, Any]) 
         *(["--published", path_word(published)] if published else []),
         *("--max-angle", f"{objective['max_angle']}"),
         *([] if objective["compressive"] else ["--no-compressive"]),
+        *(["--cells", objective["cells"]] if "cells" in objective else []),
         *(["--seed", f"{solver.get('seed', 1)}"] if model.random else []),
     ]
     return Variant(entry["name"], entry["model"], solver["method"], tuple(options), published)

@@ -85,9 +85,9 @@ def test_fit_writes_the_fit_and_its_record(capsys, tmp_path, felt):
 
 def test_options_reach_the_objective(capsys, tmp_path, felt):
     path, table = tmp_path / "felt.npz", read_binary(felt)
-    options = ["--no-compressive", "--max-angle", "70"]
+    options = ["--no-compressive", "--max-angle", "70", "--cells", "solid-angle"]
     assert run(capsys, "fit", felt, "--model", "bivariate", *options, "-o", path)[0] == 0
-    direct = bivariate.fit(table, Objective(compressive=False, max_angle=70.0), None, 1)
+    direct = bivariate.fit(table, Objective(False, 70.0, "solid-angle"), None, 1)
     assert np.array_equal(fits.load(path).parameters["B"], direct.parameters["B"])
     default = bivariate.fit(table, Objective(), None, 1)
     assert not np.array_equal(default.parameters["B"], direct.parameters["B"])

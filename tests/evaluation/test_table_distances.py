@@ -51,8 +51,11 @@ def test_tables_of_both_directions_by_a_loop():
     one, other = (Table(rng.random((3, *grid.shape)), grid) for _ in range(2))
     sums = np.zeros(2)
     for index in np.ndindex(other.values.shape):
-        theta_i, theta_o = math.radians(15 * index[1]), math.radians(30 * index[3])
-        weight = math.sin(2 * theta_i) * math.sin(2 * theta_o)
+        weight = 1.0
+        for degrees, half in ((15 * index[1], 7.5), (30 * index[3], 15)):
+            ends = (math.radians(max(degrees - half, 0)), math.radians(degrees + half))
+            solid_angle = math.cos(ends[0]) - math.cos(ends[1])
+            weight *= solid_angle * math.cos(math.radians(degrees)) * (degrees <= 80)
         root = np.cbrt(one.values[index]) - np.cbrt(other.values[index])
         sums += weight * np.array([1, root**2])
     found = distances(one, other)["cube-root"]

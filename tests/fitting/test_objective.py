@@ -18,10 +18,12 @@ from npfm.fitting.objective import (
     evaluate,
     fold,
     importance,
+    solid_angles,
     volume_form,
     weighted_median,
 )
 from npfm.reflectance.angles import directions
+from npfm.reflectance.grids import local_cells
 from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.table import Table
 
@@ -151,6 +153,37 @@ def test_the_compressive_weight_can_be_left_out():
     weighted = channel_samples(table, 0, Objective())
     assert weighted.scale == plain.scale
     assert (weighted.weight[counts] < plain.weight[counts]).all()
+
+
+def test_cells_may_count_by_their_solid_angles():
+    table = measured(SMALL)
+    samples = channel_samples(table, 0, Objective(compressive=False, cells="solid-angle"))
+    counts = samples.weight > 0
+    assert (counts == (channel_samples(table, 0, Objective()).weight > 0)).all()
+    expected = (solid_angles(SMALL) * importance(SMALL))[counts]
+    np.testing.assert_allclose(samples.weight[counts], expected, rtol=1e-14)
+    with pytest.raises(NpfmError, match="unknown weight of cells 'solid'"):
+        Objective(cells="solid")
+
+
+def test_solid_angles_by_pairs_of_directions():
+    """Random pairs fall into cells as often as their solid angles say."""
+    rng = np.random.default_rng(2)
+    grid = HalfDifference(4, 4, 4)
+    z = rng.random((2, 400_000))
+    phi = rng.uniform(0, 2 * np.pi, z.shape)
+    sin = np.sqrt(1 - z**2)
+    light, view = np.stack([sin * np.cos(phi), sin * np.sin(phi), z], axis=-1)
+    cells, _ = local_cells(grid, light, view)
+    share = np.bincount(cells, minlength=grid.size).reshape(grid.shape) / z.shape[1]
+    # Cells that the horizon does not cut: all their pairs are among those drawn.
+    whole = np.zeros(grid.shape, dtype=bool)
+    whole[:2, :2] = True
+    fine = HalfDifference(4 * 40, 4 * 40, 4)
+    expected = solid_angles(fine).reshape(4, 40, 4, 40, 4).mean(axis=(1, 3))
+    expected = expected / expected[whole].sum() * share[whole].sum()
+    shares, wanted = (np.where(whole, x, 0).sum(axis=-1)[:2, :2] for x in (share, expected))
+    np.testing.assert_allclose(shares, wanted, rtol=0.1)
 
 
 def test_energy_is_the_objective_of_nothing():

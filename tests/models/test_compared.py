@@ -6,7 +6,7 @@ import pytest
 from npfm.datasets import neural
 from npfm.datasets.parameter_files import FitFile, read
 from npfm.fitting import registry
-from npfm.fitting.objective import Objective, channel_samples
+from npfm.fitting.objective import Objective, channel_samples, solid_angles
 from npfm.fitting.parametric import author_metrics
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
@@ -67,7 +67,7 @@ def test_every_model_that_is_compared_with_is_here():
 def test_the_weight_of_solid_angle_is_that_of_both_directions():
     """Cosines have the means that they have over two independent directions of a hemisphere."""
     grid = HalfDifference()
-    weight = np.where(grid.above_horizon, author_metrics.solid_angles(grid), 0.0)
+    weight = np.where(grid.above_horizon, solid_angles(grid), 0.0)
     cos_i, cos_o = grid.cosines
     for values, mean in ((cos_i, 1 / 2), (cos_o**2, 1 / 3), (cos_i * cos_o, 1 / 4)):
         assert np.average(values, weights=weight) == pytest.approx(mean, rel=5e-3)

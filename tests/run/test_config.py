@@ -60,8 +60,11 @@ def test_presets_are_valid_and_named_after_their_file(preset, data, tmp_path):
 
 def test_a_variant_may_have_settings_of_its_own():
     plain = {"name": "plain", "model": "naive", "objective": {"compressive": False}}
-    run = check(configured(variants=["naive", plain]))
+    seen = {"name": "seen", "model": "naive", "objective": {"cells": "solid-angle"}}
+    run = check(configured(variants=["naive", plain, seen]))
     assert "--no-compressive" in run.variants["plain"].options
+    assert "--cells solid-angle" in " ".join(run.variants["seen"].options)
+    assert "--cells" not in run.variants["naive"].options
     assert "--no-compressive" not in run.variants["naive"].options
     assert run.variants["plain"].options[:2] == ("--model", "naive")
 

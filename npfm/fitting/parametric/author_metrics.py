@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fitting.objective import Samples
+from npfm.fitting.objective import Samples, solid_angles
 from npfm.reflectance.directional import Directional
 from npfm.reflectance.half_difference import HalfDifference
 
@@ -35,21 +35,6 @@ class Goal:
     scale: NDArray[np.float64]
     logarithmic: bool
     grid: HalfDifference | Directional
-
-
-def solid_angles(grid: HalfDifference) -> NDArray[np.float64]:
-    """Solid angles of light and view directions that a cell stands for, but for a constant.
-
-    4 cos(theta_d) sin(theta_d) sin(theta_h) d(theta_h) d(theta_d) d(phi_d), with the
-    d(theta_h) of bins uniform in sqrt(theta_h).
-
-    Returns
-    -------
-    ndarray, shape grid.shape
-    """
-    theta_h, theta_d = grid.theta_h[:, None, None], grid.theta_d[:, None]
-    weight = np.sqrt(theta_h) * np.sin(theta_h) * np.sin(2 * theta_d)
-    return np.broadcast_to(weight, grid.shape)
 
 
 Metric = Callable[[Sequence[Samples]], Goal]

@@ -19,8 +19,8 @@ from scipy.optimize import least_squares, nnls
 from npfm.errors import NpfmError
 from npfm.fitting.channels import CoupledFit, as_table, fit_coupled, shared_traces, with_end
 from npfm.fitting.fits import Fit, Trace
-from npfm.fitting.objective import Objective, Samples
-from npfm.fitting.parametric.author_metrics import Goal, solid_angles
+from npfm.fitting.objective import Objective, Samples, solid_angles
+from npfm.fitting.parametric.author_metrics import Goal
 from npfm.fitting.parametric.lobe_fits import thinned
 from npfm.fitting.parametric.lobes import Directions, Form
 from npfm.reflectance.half_difference import HalfDifference

@@ -6,9 +6,8 @@ from scipy.optimize import minimize
 
 from npfm.errors import NpfmError
 from npfm.fitting.fits import Fit
-from npfm.fitting.objective import Objective
+from npfm.fitting.objective import Objective, solid_angles
 from npfm.fitting.parametric import blinn_phong, lafortune, mixtures
-from npfm.fitting.parametric.author_metrics import solid_angles
 from npfm.fitting.parametric.lobes import Directions
 from npfm.reflectance.half_difference import HalfDifference
 
