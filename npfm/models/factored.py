@@ -4,9 +4,10 @@ rho = rho_d + rho_s t sum_jk F_j(o) u_jk(theta_p) v_jk(phi_p) / (cos(theta_i) 4 
 the half vector or the light; `npfm.reflectance.factored` tells all of it and the arrays. For
 measured materials the paper evaluates this in place of the table (section 3).
 
-What is chosen here: azimuths are counted from the view's, since the materials are isotropic. The
-factors of theta_p and phi_p are constant in their bins, as they are sampled. Samples that do not
-count take the value of the nearest one that does. What is factored is the mean of the channels.
+What is chosen here: azimuths are counted from the view's, since the materials are isotropic.
+Factors are linear between the middles of bins, where sampling has them constant in each: the rings
+that the paper sees in its highlights (Figure 5) are gone. Samples that do not count take the value
+of the nearest one that does. What is factored is the mean of the channels.
 """
 
 import time

@@ -114,6 +114,19 @@ class Angles:
         b = (phi_p / TWO_PI % 1 * self.shape[3]).astype(np.intp)
         return np.clip(k, 0, self.shape[2] - 1), np.minimum(b, self.shape[3] - 1)
 
+    def between(self, theta_p: Array, phi_p: Array) -> tuple["Between", "Between"]:
+        """Where angles lie between the middles of bins of theta_p, and of those of phi_p."""
+        theta = np.sqrt(theta_p / HALF_PI) if self.jacobian else theta_p / HALF_PI
+        n, m = self.shape[2:]
+        place = np.clip(theta * n - 0.5, 0, n - 1)
+        k = np.minimum(place.astype(np.intp), max(n - 2, 0))
+        around = phi_p / TWO_PI % 1 * m - 0.5
+        b = np.floor(around).astype(np.intp)
+        return (
+            Between(k, np.minimum(k + 1, n - 1), place - k),
+            Between(b % m, (b + 1) % m, around - b),
+        )
+
     def of_view(self, factor: Array, theta_o: Array, phi_o: Array) -> Array:
         """Interpolate factors (..., n, m) of the view at q views.
 
@@ -131,6 +144,27 @@ class Angles:
         columns = ((b, 1 - on), ((b + 1) % m, on))
         parts = [factor[..., i, j] * (s * t) for i, s in rows for j, t in columns]
         return np.sum(parts, axis=0)
+
+
+@dataclass(frozen=True)
+class Between:
+    """Pairs of neighbouring bins, and how far it is from the middle of the first to the next.
+
+    Parameters
+    ----------
+    first, second : ndarray of int, shape (q,)
+    part : ndarray, shape (q,)
+        From 0 to 1.
+    """
+
+    first: NDArray[np.intp]
+    second: NDArray[np.intp]
+    part: Array
+
+    def of(self, values: Array) -> Array:
+        """Interpolate values (..., bins): (..., q)."""
+        low, high = values[..., self.first], values[..., self.second]
+        return low + self.part * (high - low)
 
 
 @dataclass(frozen=True)
@@ -204,8 +238,9 @@ def read(parameters: Mapping[str, NDArray]) -> Factors:
 def reflectance(factors: Factors, light: Array, view: Array) -> Array:
     """BRDF (3, q) in 1/sr at pairs of directions (q, 3) over a surface of normal z and tangent x.
 
-    Both above the horizon. For light within a degree of it the cosine that it is divided by is that
-    of 89 degrees: no table has samples there.
+    Both above the horizon. Between the middles of bins factors are linear in what the bins are even
+    in. For light within a degree of the horizon the cosine that it is divided by is that of 89
+    degrees: no table has samples there.
     """
     angles = factors.angles
     p, jacobian = light, 1.0
@@ -216,11 +251,11 @@ def reflectance(factors: Factors, light: Array, view: Array) -> Array:
     phi_o = np.arctan2(view[:, 1], view[:, 0])
     theta_o = np.arccos(np.clip(view[:, 2], 0, 1))
     azimuth = np.arctan2(p[:, 1], p[:, 0]) - (phi_o if angles.relative else 0)
-    k, b = angles.bin_of(np.arccos(np.clip(p[:, 2], 0, 1)), azimuth)
-    size = angles.bands[k] * (TWO_PI / angles.shape[3])
-    F_o = angles.of_view(factors.F_o, theta_o, phi_o)
-    product = np.einsum("jq,jkq,jkq->q", F_o, factors.u[..., k], factors.v[..., b]) / size
+    theta, phi = angles.between(np.arccos(np.clip(p[:, 2], 0, 1)), azimuth)
+    u = theta.of(factors.u / angles.bands)
+    v = phi.of(factors.v * (angles.shape[3] / TWO_PI))
+    product = np.einsum("jq,jkq,jkq->q", angles.of_view(factors.F_o, theta_o, phi_o), u, v)
     tint_o, tint_u, tint_v = factors.tints
-    tint = angles.of_view(tint_o, theta_o, phi_o) * tint_u[:, k] * tint_v[:, b]
+    tint = angles.of_view(tint_o, theta_o, phi_o) * theta.of(tint_u) * phi.of(tint_v)
     shown = product / (np.maximum(light[:, 2], LEAST_COSINE) * jacobian)
     return factors.rho_d[:, None] + factors.rho_s[:, None] * tint * shown

@@ -45,8 +45,13 @@ def test_reflectance_is_the_sum_term_by_term(half, improved, m):
         p = h if half else light
         theta_o, phi_o = np.arccos(view[2]), np.arctan2(view[1], view[0]) % (2 * np.pi)
         azimuth = np.arctan2(p[1], p[0]) - (phi_o if m == 1 else 0)
-        k = np.searchsorted(angles.edges, np.arccos(p[2]), side="right") - 1
-        b = int(azimuth % (2 * np.pi) / (2 * np.pi) * 5)
+        warped = np.sqrt if half and improved else np.asarray
+        theta, turn_p = np.arccos(p[2]), (np.arange(-1, 6) + 0.5) / 5 * 2 * np.pi
+
+        def of_p(u, v, theta=theta, azimuth=azimuth, warped=warped, turn_p=turn_p):
+            around = np.concatenate([v[-1:], v, v[:1]])
+            along = np.interp(warped(theta), warped(angles.theta_p), u)
+            return along * np.interp(azimuth % (2 * np.pi), turn_p, around)
 
         def of_view(table, theta_o=theta_o, phi_o=phi_o):
             columns = np.concatenate([table, table[:, :1]], axis=1)
@@ -54,9 +59,9 @@ def test_reflectance_is_the_sum_term_by_term(half, improved, m):
             row = [np.interp(phi_o, turn, column) for column in columns]
             return np.interp(theta_o, angles.theta_o, row)
 
-        area = (np.cos(angles.edges[k]) - np.cos(angles.edges[k + 1])) * 2 * np.pi / 5
+        area = -np.diff(np.cos(angles.edges)) * 2 * np.pi / 5
         total = sum(
-            of_view(factors.F_o[j]) * factors.u[j, q, k] * factors.v[j, q, b] / area
+            of_view(factors.F_o[j]) * of_p(factors.u[j, q] / area, factors.v[j, q])
             for j in range(2)
             for q in range(3)
         )
@@ -64,7 +69,7 @@ def test_reflectance_is_the_sum_term_by_term(half, improved, m):
         found = reflectance(factors, light[None], view[None])[:, 0]
         for channel in range(3):
             tint = of_view(factors.tints[0][channel])
-            tint *= factors.tints[1][channel, k] * factors.tints[2][channel, b]
+            tint *= of_p(factors.tints[1][channel], factors.tints[2][channel])
             expected = factors.rho_d[channel] + factors.rho_s[channel] * tint * total
             assert found[channel] == pytest.approx(expected, rel=1e-9)
 

@@ -33,7 +33,7 @@ COEFFICIENTS = ("rho_d", "rho_s")
 CRITERIA = ("least-squares", "kullback-leibler")
 MOST_LOBES = 4
 #: Share of its peak that a lobe has to show at a sample, or it does not count.
-UNSEEN = 1e-9
+UNSEEN = 1e-2
 #: About so many samples are kept for the comparison of starts.
 COARSE, COARSE_EVALUATIONS, FINE_EVALUATIONS = 3_000, 12, 60
 TOLERANCE = 1e-6  # smallest share by which an iteration must lower the criterion

@@ -95,6 +95,17 @@ def test_a_divergence_is_the_sum_of_the_squares_of_its_residuals():
     assert residuals[0] > 0 and residuals[2] == 0
 
 
+@pytest.mark.parametrize("divergence", [True, False])
+def test_a_lobe_between_the_samples_is_left_out(divergence):
+    at = Directions(*np.full((4, 50), 0.5))
+    value = 1 + 0.1 * np.random.default_rng(4).random(50)
+    seen = mixtures._Seen(at, np.full(50, 0.02), value, 1.0, divergence)
+    tail = 1e-90 * np.linspace(1, 2, 50)[None]
+    found = seen.coefficients(tail)
+    assert found[1] == 0
+    assert found[0] == pytest.approx(value.mean(), rel=1e-3)
+
+
 @pytest.mark.parametrize("lobes", [0, 5, -1])
 def test_a_number_of_lobes_that_nobody_fits_is_refused(table, lobes):
     with pytest.raises(NpfmError, match="from 1 to 4"):
