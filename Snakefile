@@ -54,6 +54,7 @@ if not RUN.grid.anisotropic:
 
     include: "workflow/rules/accuracy_cost.smk"
     include: "workflow/rules/effects_cost.smk"
+    include: "workflow/rules/factorisation.smk"
     include: "workflow/rules/importance.smk"
     include: "workflow/rules/perception.smk"
     include: "workflow/rules/shared_lobes.smk"

@@ -63,6 +63,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="JxK",
         help="most terms of both factorisations (default: 4x5)",
     )
+    terms.add_argument(
+        "--resolution",
+        type=shape(4),
+        metavar="AxBxCxD",
+        help="bins of theta_o, phi_o, theta_p and phi_p (default: the paper's)",
+    )
     gather = kinds.add_parser("table")
     gather.add_argument("tables", nargs="+", help="CSV made by npfm factorisation measure")
     for kind in (measure, terms, gather):
@@ -79,14 +85,16 @@ def run(arguments: argparse.Namespace) -> None:
         tables.write(arguments.output, gathered[[*study.TEXT, *study.NUMBERS]])
         return
     reflected, grid = verb.brdf(arguments.table)
-    name = Path(arguments.table).stem
-    printed = lawrence2004.factored(name)
+    formula, name = arguments.table in analytic.FORMULAS, Path(arguments.table).stem
+    known = formula or name in lawrence2004.MATERIALS
+    printed = lawrence2004.factored(name if known else "")
     if arguments.kind == "terms":
-        recipe = Recipe(Angles(printed.half, False, printed.resolution), printed.terms)
+        resolution = arguments.resolution or printed.resolution
+        recipe = Recipe(Angles(printed.half, False, resolution), printed.terms)
         outer, inner = (range(1, most + 1) for most in arguments.most)
         tables.write(arguments.output, study.by_terms(reflected, recipe, outer, inner))
         return
-    isotropic = name in analytic.ISOTROPIC if name in analytic.FORMULAS else not grid.anisotropic
+    isotropic = name in analytic.ISOTROPIC if formula else not grid.anisotropic
     lobes = _lafortune(arguments.table, reflected, printed.lobes) if isotropic else np.nan
     rows = _rows(name, reflected, printed, isotropic)
     tables.write(arguments.output, study.table({**row, "lafortune": lobes} for row in rows))

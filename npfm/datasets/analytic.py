@@ -16,6 +16,7 @@ from npfm.reflectance.angles import directions
 from npfm.reflectance.half_difference import MERL
 from npfm.reflectance.microsurfaces import beckmann, tangent
 from npfm.reflectance.table import INVALID, Table
+from npfm.reflectance.table_files import read_table
 
 Array = NDArray[np.float64]
 
@@ -124,6 +125,17 @@ FORMULAS: Mapping[str, Callable[[Array, Array], Array]] = MappingProxyType(
 )
 #: Those that do not change when the surface is turned about its normal.
 ISOTROPIC = frozenset({"cook-torrance", "hapke-lommel", "ward-isotropic"})
+
+
+def brdf(source: str) -> Callable[[Array, Array], Array]:
+    """Reflectance by the name of a formula, or by the path of a table.
+
+    Raises
+    ------
+    NpfmError
+        If it is neither.
+    """
+    return FORMULAS[source] if source in FORMULAS else read_table(source).lookup
 
 
 def tabulated(name: str) -> Table:

@@ -88,7 +88,10 @@ CALLS = {
         "a.exr",
     ),
     "factor": ("hapke-lommel --resolution 4x1x8x8 -o {out}/a.npz", "a.npz", "a.json"),
-    "factorisation terms": ("ward-isotropic --most 1x1 -o {out}/a.csv", "a.csv"),
+    "factorisation terms": (
+        "ward-isotropic --most 1x1 --resolution 4x1x8x8 -o {out}/a.csv",
+        "a.csv",
+    ),
     "accuracy-cost traces": ("--fits one={made} --materials chalk -o {out}/a.csv", "a.csv"),
 }
 

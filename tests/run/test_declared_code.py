@@ -142,7 +142,11 @@ CALLS = [
         " -o x.csv --pictures y.exr",
     ),
     ("factor", [], "factor hapke-lommel --resolution 4x1x8x8 -o x.npz"),
-    ("factorisation", [], "factorisation terms ward-isotropic --most 1x1 -o x.csv"),
+    (
+        "factorisation",
+        [],
+        "factorisation terms ward-isotropic --most 1x1 --resolution 4x1x8x8 -o x.csv",
+    ),
     (
         "importance measure",
         ["npfm.rendering.sampling.cosine", *SHARED],
