@@ -6,55 +6,38 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fitting.factors.problem import quotient
 from npfm.fitting.shared_lobes.problem import CLAMP, State, compiled
 
 if TYPE_CHECKING:
-    from npfm.fitting.shared_lobes.problem import SharedLobesProblem
+    from npfm.fitting.shared_lobes.problem import LobesProblem
 
 Array = NDArray[np.float64]
 
 
-def updated_D(problem: "SharedLobesProblem", lobe: int, state: State) -> State:
-    """Best D of a lobe, all else held: each component is a quotient of sums of all channels."""
+def updated_D(problem: "LobesProblem", lobe: int, state: State) -> State:
+    """Best D of a lobe, all else held, of the samples of all channels."""
     wk, wkk, wrk = state.sums
-    x = state.rho_s[:, None, :] * state.basis
-    slope = state.rho_s[:, lobe, None] * np.tile(state.F, (1, problem.grid.shape[0]))
+    x = state.rho_s[:, None, :] * problem.basis(state)
+    slope = state.rho_s[:, lobe, None] * problem.F_at(state.F)
     others = np.einsum("crl,crl->cr", x, wkk[..., lobe, :]) - x[..., lobe] * wkk[..., lobe, lobe]
     numerator = slope * (wrk[..., lobe] - state.rho_d[:, None] * wk[..., lobe] - others)
     denominator = slope**2 * wkk[..., lobe, lobe]
-    D = _per_bin(numerator, denominator, state.D[lobe], problem.grid.shape[:2], (0, 2))
+    D = problem.solved_D(numerator, denominator, state.D[lobe])
     return replace(state, D=np.stack([D if k == lobe else x for k, x in enumerate(state.D)]))
 
 
-def updated_F(problem: "SharedLobesProblem", state: State) -> State:
+def updated_F(problem: "LobesProblem", state: State) -> State:
     """Best F of every channel, all else held."""
     wk, wkk, wrk = state.sums
-    x = state.rho_s[:, None, :] * np.repeat(state.D.T, problem.grid.shape[1], axis=0)
+    x = state.rho_s[:, None, :] * problem.D_at(state.D)
     wx = np.einsum("crl,crl->cr", x, wk)
     numerator = np.einsum("crl,crl->cr", x, wrk) - state.rho_d[:, None] * wx
     denominator = np.einsum("crl,crm,crlm->cr", x, x, wkk, optimize=True)
-    plane = problem.grid.shape[:2]
-    F = [
-        _per_bin(n[None], d[None], f, plane, (0, 1))
-        for n, d, f in zip(numerator, denominator, state.F, strict=True)
-    ]
+    F = [problem.solved_F(n, d, f) for n, d, f in zip(numerator, denominator, state.F, strict=True)]
     return replace(state, F=np.stack(F))
 
 
-def _per_bin(
-    numerator: Array,
-    denominator: Array,
-    before: Array,
-    plane: tuple[int, int],
-    axes: tuple[int, int],
-) -> Array:
-    """Equation 14 of Bagher et al. 2016 for each bin of one angle, clamped."""
-    numerator, denominator = (x.reshape(-1, *plane).sum(axes) for x in (numerator, denominator))
-    return quotient(numerator, denominator, before, CLAMP)
-
-
-def updated_G(problem: "SharedLobesProblem", lobe: int, smoothing: float, state: State) -> State:
+def updated_G(problem: "LobesProblem", lobe: int, smoothing: float, state: State) -> State:
     """Minimise over the components of a lobe's G one after the other, exactly (section 2.3).
 
     In one component the objective is a polynomial of degree 4. Of the real roots of its
@@ -65,10 +48,8 @@ def updated_G(problem: "SharedLobesProblem", lobe: int, smoothing: float, state:
     smoothing : float
         Width of the Gaussian that smooths the result, in nodes.
     """
-    from scipy.ndimage import gaussian_filter1d
-
     kernels, at = compiled(), problem.places
-    x = np.ascontiguousarray(state.rho_s[:, None, :] * state.basis)
+    x = np.ascontiguousarray(state.rho_s[:, None, :] * problem.basis(state))
     square, linear = kernels.one_lobe(*problem._arrays, x, state.G, state.rho_d, lobe)
     G, (ends, cells) = state.G[lobe].copy(), at.readers
     least = CLAMP * G.max()
@@ -77,7 +58,7 @@ def updated_G(problem: "SharedLobesProblem", lobe: int, smoothing: float, state:
         quartic = kernels.node_quartic(*at.arrays[:4], readers, square, linear, G, node)
         G[node] = best_component(quartic, G[node], least)
     if smoothing:
-        G = gaussian_filter1d(G, smoothing, mode="nearest")
+        G = problem.smoothed(G, smoothing)
     G = np.maximum(G, CLAMP * G.max())
     return problem._with_G(state, np.stack([G if k == lobe else g for k, g in enumerate(state.G)]))
 

@@ -7,12 +7,15 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fitting.factors.microfacet import G_NODES
+from npfm.fitting.factors.problem import LEAST_SHARE
 from npfm.fitting.fits import Trace
 from npfm.fitting.objective import Samples
-from npfm.fitting.shared_lobes.problem import SharedLobesProblem, State
-from npfm.fitting.shared_lobes.starts import slices, start_states
+from npfm.fitting.shared_lobes.directional import DirectionalLobesProblem
+from npfm.fitting.shared_lobes.isotropic import SharedLobesProblem
+from npfm.fitting.shared_lobes.problem import LobesProblem, State
+from npfm.fitting.shared_lobes.starts import first_factors, start_states
 from npfm.fitting.solvers.problem import Solver
+from npfm.reflectance.directional import Directional
 
 #: Bins of phi_d that starts are compared on: every n-th.
 THINNING = 9
@@ -52,11 +55,10 @@ def fit_lobes(
     traces : list of Trace
         The best first, from its start to its end; those of the others on thinned samples.
     """
-    problem = SharedLobesProblem(samples, lobes, spline)
-    rough = _rough(samples, lobes, spline)
-    single = _rough(samples, 1, spline)
-    D, F = slices(samples)
-    first = single.state(D[None], F, np.ones((1, G_NODES)))
+    problem = problem_of(samples, lobes, spline)
+    rough, single = _rough(samples, lobes, spline), _rough(samples, 1, spline)
+    D, F = first_factors(single)
+    first = single.state(D[None], F, np.ones((1, single.sizes[2])))
     one, _ = solve(single, {"slices": first}, ease=SINGLE)
     named = dict(islice(start_states(rough, one, seed), starts))
     state, traces = solve(rough, named, ease=COMPARED)
@@ -66,12 +68,25 @@ def fit_lobes(
     state, (trace,) = solve(problem, last, ease=FINAL)
     state = problem.with_coefficients(state, FAINTEST)
     trace = _joined(_joined(best, longer), trace)
-    return by_width(state, samples[0].grid.theta_h), [trace, *others]
+    return by_width(state, problem.theta_h), [trace, *others]
 
 
-def _rough(samples: Sequence[Samples], lobes: int, spline: bool) -> SharedLobesProblem:
-    thinned = SharedLobesProblem(samples, lobes, spline, ALIVE, THINNING)
-    return thinned if thinned.energy else SharedLobesProblem(samples, lobes, spline, ALIVE)
+def problem_of(
+    samples: Sequence[Samples],
+    lobes: int,
+    spline: bool,
+    floor: float = LEAST_SHARE,
+    every: int = 1,
+) -> LobesProblem:
+    """Return the problem for the grid of the samples; on a directional one all samples count."""
+    if isinstance(samples[0].grid, Directional):
+        return DirectionalLobesProblem(samples, lobes, floor)
+    return SharedLobesProblem(samples, lobes, spline, floor, every)
+
+
+def _rough(samples: Sequence[Samples], lobes: int, spline: bool) -> LobesProblem:
+    thinned = problem_of(samples, lobes, spline, ALIVE, THINNING)
+    return thinned if thinned.energy else problem_of(samples, lobes, spline, ALIVE)
 
 
 def _joined(before: Trace, after: Trace) -> Trace:

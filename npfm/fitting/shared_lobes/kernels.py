@@ -74,11 +74,12 @@ def kernel_sums(
 def coefficient_equations(
     D: Array, F: Array, wk: Array, wkk: Array, wrk: Array, w: Array, wr: Array
 ) -> tuple[Array, Array]:
-    """Equations of rho_d and the rho_s of each channel: sums over its cells.
+    """Equations of rho_d and the rho_s of each channel: sums over its rows.
 
     Parameters
     ----------
-    D, F : ndarray, shapes (lobes, theta_h), (channels, theta_d)
+    D, F : ndarray, shapes (rows, lobes), (channels, rows)
+        Their values in each row.
     wk, wkk, wrk : ndarray
         See `kernel_sums`.
     w, wr : ndarray, shape (channels,)
@@ -89,15 +90,13 @@ def coefficient_equations(
     matrix, right : ndarray, shapes (channels, lobes + 1, lobes + 1), (channels, lobes + 1)
     """
     channels, rows, lobes = wk.shape
-    nd = F.shape[1]
     matrix, right = np.zeros((channels, lobes + 1, lobes + 1)), np.zeros((channels, lobes + 1))
     b = np.zeros(lobes)
     for c in range(channels):
         matrix[c, 0, 0], right[c, 0] = w[c], wr[c]
         for row in range(rows):
-            h, d = row // nd, row % nd
             for k in range(lobes):
-                b[k] = D[k, h] * F[c, d]
+                b[k] = D[row, k] * F[c, row]
                 matrix[c, 0, k + 1] += b[k] * wk[c, row, k]
                 right[c, k + 1] += b[k] * wrk[c, row, k]
                 for m in range(k + 1):

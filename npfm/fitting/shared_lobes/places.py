@@ -24,6 +24,8 @@ class Places:
         Weights of the nodes from there on; two of them, or four of a spline.
     inverse_cosines : ndarray, shape (theta_h * theta_d, phi_d)
         1 / (cos theta_i cos theta_o), 0 below the horizon.
+    nodes : int
+        How many G has.
     """
 
     first_i: NDArray[np.int16]
@@ -31,6 +33,7 @@ class Places:
     first_o: NDArray[np.int16]
     taps_o: Array
     inverse_cosines: Array
+    nodes: int = G_NODES
 
     @property
     def arrays(self) -> tuple[NDArray, ...]:
@@ -38,7 +41,7 @@ class Places:
         return self.first_i, self.taps_i, self.first_o, self.taps_o, self.inverse_cosines
 
     def kernel(self, G: Array) -> Array:
-        """K = G(theta_i) G(theta_o) / (cos theta_i cos theta_o) for a G of shape (G_NODES,)."""
+        """K = G(theta_i) G(theta_o) / (cos theta_i cos theta_o) for a G of shape (nodes,)."""
         at_i, at_o = (
             sum(taps[..., t] * G[first + t] for t in range(taps.shape[-1]))
             for first, taps in ((self.first_i, self.taps_i), (self.first_o, self.taps_o))
@@ -46,12 +49,12 @@ class Places:
         return at_i * at_o * self.inverse_cosines
 
     def reads(self, counts: NDArray[np.bool_]) -> Array:
-        """How many of the samples that count read each node, weighted; shape (G_NODES,)."""
-        total = np.zeros(G_NODES)
+        """How many of the samples that count read each node, weighted; shape (nodes,)."""
+        total = np.zeros(self.nodes)
         for first, taps in ((self.first_i, self.taps_i), (self.first_o, self.taps_o)):
             for t in range(taps.shape[-1]):
                 total += np.bincount(
-                    first[counts] + t, np.abs(taps[..., t][counts]), minlength=G_NODES
+                    first[counts] + t, np.abs(taps[..., t][counts]), minlength=self.nodes
                 )
         return total
 
@@ -70,7 +73,7 @@ class Places:
                 node = first.ravel()[cells[read]].astype(np.int64) + t
                 pairs.append(node * self.inverse_cosines.size + cells[read])
         node, cell = np.divmod(np.unique(np.concatenate(pairs)), self.inverse_cosines.size)
-        ends = np.append(0, np.cumsum(np.bincount(node, minlength=G_NODES)))
+        ends = np.append(0, np.cumsum(np.bincount(node, minlength=self.nodes)))
         return ends, cell.astype(np.int32)
 
 

@@ -6,30 +6,25 @@ objectives as they are, here each counts as a share of its zero model's: so no b
 rules, and a brighter table has the same fit.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from types import ModuleType
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fitting.factors.microfacet import G_NODES
-from npfm.fitting.factors.problem import LEAST_SHARE, filled
+from npfm.fitting.factors.problem import filled
 from npfm.fitting.objective import Samples
 from npfm.fitting.shared_lobes.coefficients import bounded_least_squares
-from npfm.fitting.shared_lobes.places import places
+from npfm.fitting.shared_lobes.places import Places
 
 Array = NDArray[np.float64]
 
 #: Smallest component of a factor whose largest is 1, as of independent-g.
 CLAMP = 1e-6
-#: Bins that fewer samples see than this share of those that see the best-seen one are filled in:
-#: the largest component of a factor, which the others are relative to, lies in none of them.
-OBSERVED = 0.01
-#: The Gauss-Newton matrix, which needs most of the time, is made of about so many bins of phi_d,
-#: on which factors depend smoothly; gradient, objective and diagonal are those of all.
-MATRIX_BINS = 10
 #: A material is specular if its largest sample is more than so many weighted medians: of the MERL
 #: database, what has a highlight to be seen (fabrics 10, polyurethane-foam 50, nylon 8000).
 SPECULAR = 1000.0
@@ -59,12 +54,6 @@ class State:
     rho_d: Array
     sums: tuple[Array, Array, Array]
 
-    @property
-    def basis(self) -> Array:
-        """D F of each channel and lobe in each cell, shape (channels, rows, lobes)."""
-        products = np.einsum("lh,cd->chdl", self.D, self.F)
-        return products.reshape(len(self.F), -1, len(self.D))
-
 
 def compiled() -> ModuleType:
     """Return the kernels; a fit calls this first, before time is taken."""
@@ -73,22 +62,11 @@ def compiled() -> ModuleType:
     return kernels
 
 
-def with_diagonal(matrix: Array, diagonal: Array) -> Array:
-    """Scale rows and columns of a positive semidefinite matrix so that it has a diagonal.
-
-    Where the matrix knows nothing of an unknown, only the diagonal does.
-    """
-    own = np.diag(matrix)
-    root = np.sqrt(np.divide(diagonal, own, out=np.zeros_like(own), where=own > 0))
-    scaled = matrix * root * root[:, None]
-    np.fill_diagonal(scaled, diagonal)
-    return scaled
-
-
-class SharedLobesProblem:
+class LobesProblem(ABC):
     """The fit of all channels at once (see `npfm.fitting.solvers.problem.Problem`).
 
-    The objective is the mean over the channels of their shares of the zero model's.
+    The objective is the mean over the channels of their shares of the zero model's. On which grid
+    the samples lie is up to those that inherit from it: where they read D, F and G.
 
     Parameters
     ----------
@@ -96,46 +74,92 @@ class SharedLobesProblem:
         Folded measurements of the channels that share their lobes.
     lobes : int
         How many.
-    spline : bool
-        Whether G is read along a Catmull-Rom spline, and not linearly between its nodes.
     floor : float
         Least rho_s, as the share of a lobe in the mean of a channel: a lobe of coefficient 0 has
         no derivative to come back by.
+    at : Places
+        Where samples read G.
+    kept : callable
+        Picks the samples that are used out of an array of them, shape (rows, columns).
     every : int
-        Use every n-th bin of phi_d only.
+        They are one of so many.
     """
 
     def __init__(
         self,
         samples: Sequence[Samples],
         lobes: int,
-        spline: bool = False,
-        floor: float = LEAST_SHARE,
+        floor: float,
+        at: Places,
+        kept: Callable[[Array], Array],
         every: int = 1,
     ):
-        self.samples, self.lobes, self.spline = samples, lobes, spline
-        self.floor, self.every = floor, every
-        self.grid = samples[0].grid
-        self.places = places(self.grid, every, spline)
-        kept, shape = slice(every // 2, None, every), self.places.inverse_cosines.shape
+        self.samples, self.lobes, self.floor, self.every = samples, lobes, floor, every
+        self.places = at
         shares = [1 / (len(samples) * (s.energy or 1.0)) for s in samples]
         self.weight = np.stack(
-            [
-                s.weight[..., kept].reshape(shape) * part
-                for s, part in zip(samples, shares, strict=True)
-            ]
+            [kept(s.weight) * part for s, part in zip(samples, shares, strict=True)]
         )
-        values = np.stack([s.value[..., kept].reshape(shape) for s in samples])
+        values = np.stack([kept(s.value) for s in samples])
         self.weighted_value = self.weight * values
         self._rest = sum(s.floor * part for s, part in zip(samples, shares, strict=True)) / every
         self._w, self._wr = self.weight.sum((1, 2)), self.weighted_value.sum((1, 2))
         self._wrr = np.einsum("cij,cij->c", self.weighted_value, values)
 
-    def thinned(self, every: int) -> "SharedLobesProblem":
-        """Return the same fit on every n-th bin of phi_d; of a thinned one, itself."""
-        if self.every > 1:
-            return self
-        return SharedLobesProblem(self.samples, self.lobes, self.spline, self.floor, every)
+    @property
+    @abstractmethod
+    def sizes(self) -> tuple[int, int, int]:
+        """Number of components of a D, an F and a G."""
+
+    @property
+    @abstractmethod
+    def theta_h(self) -> Array:
+        """Angle of each component of D, in radians."""
+
+    def over_theta_h(self, D: Array) -> tuple[Array, Array]:
+        """A D over increasing angles theta_h, and these."""
+        return D, self.theta_h
+
+    @cached_property
+    @abstractmethod
+    def seen(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
+        """Which components of D, of the F of each channel, and of G enough samples depend on."""
+
+    @abstractmethod
+    def D_at(self, D: Array) -> Array:
+        """Values of each lobe's D in each row, shape (rows, lobes)."""
+
+    @abstractmethod
+    def F_at(self, F: Array) -> Array:
+        """Values of each channel's F in each row, shape (channels, rows)."""
+
+    @abstractmethod
+    def filled(self, lobe: Array, seen: NDArray[np.bool_]) -> Array:
+        """A D or a G scaled to maximum 1 and clamped, unseen components from their neighbours."""
+
+    @abstractmethod
+    def solved_D(self, numerator: Array, denominator: Array, before: Array) -> Array:
+        """Best D of a lobe, where (channels, rows) are those of the quotients of its values."""
+
+    @abstractmethod
+    def solved_F(self, numerator: Array, denominator: Array, before: Array) -> Array:
+        """Best F of a channel, as of `solved_D`, of shape (rows,)."""
+
+    @abstractmethod
+    def smoothed(self, G: Array, width: float) -> Array:
+        """Smooth a G by a Gaussian, whose width is in nodes."""
+
+    @abstractmethod
+    def derivatives(self, state: State) -> tuple[Array, Array]:
+        """Gradient and Gauss-Newton matrix in the logarithms of D, F, G and rho_s, then rho_d."""
+
+    @abstractmethod
+    def thinned(self, every: int) -> Self:
+        """Return the same fit on fewer samples, or itself."""
+
+    def basis(self, state: State) -> Array:
+        """D F of each channel and lobe in each row, shape (channels, rows, lobes)."""
+        return self.F_at(state.F)[..., None] * self.D_at(state.D)
 
     @cached_property
     def energy(self) -> float:
@@ -146,14 +170,6 @@ class SharedLobesProblem:
     def lower(self) -> float:
         """Least logarithm of a component of a factor whose largest is 1."""
         return float(np.log(CLAMP))
-
-    @cached_property
-    def seen(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
-        """Which components of D, of the F of each channel, and of G enough samples depend on."""
-        counts = self.weight > 0
-        number = counts.sum(2).reshape(-1, *self.grid.shape[:2])
-        seen_by = number.sum((0, 2)), number.sum(1), self.places.reads(np.any(counts, axis=0))
-        return tuple(n > OBSERVED * n.max(-1, keepdims=True) for n in seen_by)
 
     @property
     def _arrays(self) -> tuple[NDArray, ...]:
@@ -166,9 +182,9 @@ class SharedLobesProblem:
         are interpolated from their neighbours.
         """
         in_d, in_f, in_g = self.seen
-        D = np.stack([filled(x, in_d, CLAMP) for x in np.asarray(D, dtype=float)])
+        D = np.stack([self.filled(x, in_d) for x in np.asarray(D, dtype=float)])
         F = np.stack([filled(x, seen, CLAMP) for x, seen in zip(F, in_f, strict=True)])
-        G = np.stack([filled(x, in_g, CLAMP) for x in np.asarray(G, dtype=float)])
+        G = np.stack([self.filled(x, in_g) for x in np.asarray(G, dtype=float)])
         return self.with_coefficients(State(D, F, G, np.empty(0), np.empty(0), self._sums(G)))
 
     def _sums(self, G: Array) -> tuple[Array, Array, Array]:
@@ -179,7 +195,9 @@ class SharedLobesProblem:
 
     def _equations(self, state: State) -> tuple[Array, Array]:
         """Matrices and right-hand sides of rho_d and the rho_s of every channel."""
-        return compiled().coefficient_equations(state.D, state.F, *state.sums, self._w, self._wr)
+        return compiled().coefficient_equations(
+            self.D_at(state.D), self.F_at(state.F), *state.sums, self._w, self._wr
+        )
 
     def with_coefficients(self, state: State, floor: float | None = None) -> State:
         """Return the state with its best rho_d >= 0 and rho_s, no lobe being quite without.
@@ -215,10 +233,10 @@ class SharedLobesProblem:
         return self.state(*self._split(np.exp(packed)))
 
     def _split(self, packed: Array) -> tuple[Array, Array, Array]:
-        nh, nd, _ = self.grid.shape
+        nh, nd, nodes = self.sizes
         ends = self.lobes * nh, self.lobes * nh + len(self.samples) * nd
         D, F, G = np.split(packed, ends)
-        return D.reshape(-1, nh), F.reshape(-1, nd), G.reshape(-1, G_NODES)
+        return D.reshape(-1, nh), F.reshape(-1, nd), G.reshape(-1, nodes)
 
     def tops(self, packed: Array) -> NDArray[np.intp]:
         """Return, for each packed unknown, where the largest component of its factor is."""
@@ -233,13 +251,7 @@ class SharedLobesProblem:
 
         Without what is filled in, and without coefficients at their bound that would go beyond it.
         """
-        at = state.D, state.F, state.G, state.rho_s, state.rho_d
-        if self._matrix_problem is self:
-            gradient, matrix = compiled().normal_equations(*self._arrays, *at)
-        else:
-            gradient, diagonal = compiled().gradient_and_diagonal(*self._arrays, *at)
-            _, matrix = compiled().normal_equations(*self._matrix_problem._arrays, *at)
-            matrix = with_diagonal(matrix, diagonal)
+        gradient, matrix = self.derivatives(state)
         in_d, in_f, in_g = self.seen
         filled_in = ~np.concatenate(
             [np.tile(in_d, self.lobes), in_f.ravel(), np.tile(in_g, self.lobes)]
@@ -249,14 +261,9 @@ class SharedLobesProblem:
         gradient[out], matrix[out], matrix[:, out] = 0.0, 0.0, 0.0
         return gradient, matrix
 
-    @cached_property
-    def _matrix_problem(self) -> "SharedLobesProblem":
-        """The problem whose samples the Gauss-Newton matrix is made of."""
-        every = self.weight.shape[2] // MATRIX_BINS
-        return self.thinned(every) if every > 1 else self
-
     def _at_floor(self, state: State) -> NDArray[np.bool_]:
-        border = np.einsum("crl,crl->cl", state.basis, state.sums[0])
+        matrix, _ = self._equations(state)
+        border = matrix[:, 0, 1:]
         floor = np.divide(
             self.floor * self._wr[:, None], border, out=np.zeros_like(border), where=border > 0
         )

@@ -1,14 +1,13 @@
 """What the fit of shared lobes begins with."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fitting.factors.microfacet import G_NODES
 from npfm.fitting.factors.slices import factors_of_slices
-from npfm.fitting.objective import Samples
-from npfm.fitting.shared_lobes.problem import CLAMP, SharedLobesProblem, State
+from npfm.fitting.shared_lobes.directional import DirectionalLobesProblem
+from npfm.fitting.shared_lobes.problem import CLAMP, LobesProblem, State
 
 Array = NDArray[np.float64]
 
@@ -19,38 +18,38 @@ WIDTHS, POWERS = 3.0, 2.0
 HALF_HEIGHT = np.sqrt(np.sqrt(2) - 1)
 
 
-def slices(samples: Sequence[Samples]) -> tuple[Array, Array]:
-    """D of all channels together and the F of each, read off two slices of the table."""
-    found = [factors_of_slices(channel) for channel in samples]
+def first_factors(problem: LobesProblem) -> tuple[Array, Array]:
+    """D of all channels together and the F of each, to begin a fit of one lobe with."""
+    if isinstance(problem, DirectionalLobesProblem):
+        return problem.profile(), np.ones((len(problem.samples), problem.sizes[1]))
+    found = [factors_of_slices(channel) for channel in problem.samples]
     D = np.exp(np.mean([np.log(D) for D, _ in found], axis=0))
     return D, np.stack([F for _, F in found])
 
 
-def start_states(
-    problem: SharedLobesProblem, single: State, seed: int
-) -> Iterator[tuple[str, State]]:
+def start_states(problem: LobesProblem, single: State, seed: int) -> Iterator[tuple[str, State]]:
     """Starts by name; each is made when it is its turn. No two of their lobes are equal.
 
     GGX lobes about the width of the single one; powers of the single D, with its G; random ones.
 
     Parameters
     ----------
-    problem : SharedLobesProblem
+    problem : LobesProblem
     single : State
         Fit of one lobe to the same samples.
     seed : int
         Of the random starts.
     """
-    lobes, nh = problem.lobes, problem.grid.theta_h_bins
+    lobes, (nh, _, nodes) = problem.lobes, problem.sizes
     spread = np.linspace(-1, 1, lobes) if lobes > 1 else np.zeros(1)
-    D, G, flat = single.D[0], single.G[0], np.ones((lobes, G_NODES))
-    widths = width(D, problem.grid.theta_h) * WIDTHS**spread
-    yield "widths", problem.state(ggx(problem.grid.theta_h, widths), single.F, flat)
+    D, G, flat = single.D[0], single.G[0], np.ones((lobes, nodes))
+    widths = width(*problem.over_theta_h(D)) * WIDTHS**spread
+    yield "widths", problem.state(ggx(problem.theta_h, widths), single.F, flat)
     powers = POWERS**-spread
     yield "powers", problem.state(D ** powers[:, None], single.F, np.tile(G, (lobes, 1)))
-    rng, (_, F) = np.random.default_rng(seed), slices(problem.samples)
+    rng, (_, F) = np.random.default_rng(seed), first_factors(problem)
     for k in range(RANDOM_STARTS):
-        D, G = (rng.uniform(CLAMP, 1.0, (lobes, n)) for n in (nh, G_NODES))
+        D, G = (rng.uniform(CLAMP, 1.0, (lobes, n)) for n in (nh, nodes))
         yield f"random-{k + 1}", problem.state(D, F, G)
 
 

@@ -9,8 +9,8 @@ from npfm.fitting.objective import Objective, channel_samples, fold
 from npfm.fitting.shared_lobes import kernels
 from npfm.fitting.shared_lobes.alternating import best_component, updated_D, updated_F, updated_G
 from npfm.fitting.shared_lobes.coefficients import bounded_least_squares
+from npfm.fitting.shared_lobes.isotropic import SharedLobesProblem, with_diagonal
 from npfm.fitting.shared_lobes.places import places
-from npfm.fitting.shared_lobes.problem import SharedLobesProblem, with_diagonal
 from npfm.fitting.solvers import awls, gauss_newton
 from npfm.fitting.solvers.problem import SolverSettings
 from npfm.reflectance.half_difference import MERL
@@ -115,7 +115,7 @@ def test_a_matrix_of_fewer_samples_leads_to_the_same_minimum(samples, monkeypatc
     _, state = problem_and_state(samples)
     found = []
     for bins in (10, 6):
-        monkeypatch.setattr("npfm.fitting.shared_lobes.problem.MATRIX_BINS", bins)
+        monkeypatch.setattr("npfm.fitting.shared_lobes.isotropic.MATRIX_BINS", bins)
         fresh = SharedLobesProblem(samples, 3)
         assert (fresh._matrix_problem is fresh) == (bins == 10)
         settings = SolverSettings(tolerance=1e-7)
