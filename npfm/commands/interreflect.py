@@ -96,6 +96,7 @@ def run(arguments: argparse.Namespace) -> str:
     )
     record = {
         "paths": found.paths,
+        "lost": found.lost,
         "depth": interreflection.DEPTH,
         "seconds": time.process_time() - began,
         "error": float(np.sqrt(np.mean(found.error**2))),

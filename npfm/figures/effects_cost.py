@@ -23,9 +23,9 @@ ROW, CELL, MARGIN = 0.17, 1.5, 1.0  # inches: a row of a panel, a picture, axes 
 PANELS = (
     ("build_seconds", "seconds to build", 1.0),
     ("rays", "million shadow rays", 1e6),
-    ("nonzeros", "million non-zeros of T", 1e6),
-    ("picture_seconds", "seconds added to a picture", 1.0),
-    ("psnr_change_db", "change of the PSNR of fits (dB)", 1.0),
+    ("nonzeros", "million entries of T", 1e6),
+    ("picture_seconds", "seconds a picture", 1.0),
+    ("psnr_change_db", "PSNR of fits (dB)", 1.0),
 )
 #: Changes below this are black, in dB of the peak of the picture (Bagher et al. 2016, section 5).
 DARKEST_DB = -80.0

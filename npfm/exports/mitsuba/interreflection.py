@@ -49,11 +49,14 @@ class Bounced:
         directions are stratified.
     paths : int
         In all.
+    lost : int
+        Paths to whose end Mitsuba's float32 had no number; they count as dark.
     """
 
     radiance: Array
     error: Array
     paths: int
+    lost: int
 
 
 def bounced(
@@ -88,10 +91,13 @@ def bounced(
     made = {f"object{k}": shapes.shape(item, bsdf) for k, item in enumerate(objects)}
     world = mi.load_dict({"type": "scene", "light": shapes.light(environment), **made})
     each = -(-paths // len(offsets))
-    sums = np.zeros((2, resolution**2, 3))
+    sums, lost = np.zeros((2, resolution**2, 3)), 0
     for block, chosen in enumerate(_blocks(len(surface), each)):
         points = _starts(surface, chosen, each, len(offsets), seed)
         radiance = _follow(world, reflectance, sampler, points, (seed << 16) + block)
+        finite = np.isfinite(radiance).all(axis=1)
+        lost += np.count_nonzero(~finite)
+        radiance[~finite] = 0
         for total, values in zip(sums, (radiance, radiance**2), strict=True):
             for channel in range(3):
                 total[:, channel] += np.bincount(
@@ -101,7 +107,7 @@ def bounced(
     mean, square = sums / number
     error = np.sqrt(np.maximum(square - mean**2, 0) / number)
     shape = resolution, resolution, 3
-    return Bounced(mean.reshape(shape), error.reshape(shape), each * len(surface))
+    return Bounced(mean.reshape(shape), error.reshape(shape), each * len(surface), lost)
 
 
 @dataclass(frozen=True)
