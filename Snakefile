@@ -56,6 +56,7 @@ if not RUN.grid.anisotropic:
     include: "workflow/rules/effects_cost.smk"
     include: "workflow/rules/factorisation.smk"
     include: "workflow/rules/importance.smk"
+    include: "workflow/rules/bounces.smk"
     include: "workflow/rules/perception.smk"
     include: "workflow/rules/shared_lobes.smk"
 

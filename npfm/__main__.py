@@ -36,6 +36,7 @@ VERBS = {
     "quality": "compare the fits of a run with the measurements by many metrics",
     "figure": "draw a figure from the tables of a run",
     "reproduction": "put the paper's claims to the tables of a run, as a page of Markdown",
+    "bounces": "a still life of five materials, by each way of choosing the directions of paths",
     "effects-cost": "what effects cost and change, switched off and on",
     "accuracy-cost": "tables of what accuracy costs in time",
     "factorisation": "how accurate the factors of tables and formulas are",

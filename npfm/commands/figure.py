@@ -43,6 +43,7 @@ FIGURES = {
     "convergence": "objective against seconds, every start by both solvers",
     "pareto": "mean PSNR (dB) against mean seconds of a fit, and against its bytes",
     "settings": "PSNR (dB) and seconds against the number of starts and the tolerance",
+    "bounces": "a still life by paths, whose directions are chosen in several ways",
     "effects_cost": "what each effect costs in each scene, and where it changes the picture",
     "importance": "variance of every way of sampling, for every material, as maps",
     "improvement": "variance of ways of sampling over that of factored sampling, and as printed",

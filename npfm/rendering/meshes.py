@@ -47,7 +47,9 @@ def cloth() -> Mesh:
     fine = np.cos(17.0 * u + 1.3 * np.sin(3.0 * v) + 2.0)
     depth = (0.03 + 0.13 * hangs) * folds + 0.02 * hangs * fine
     points = np.stack([u * (1 - 0.06 * hangs), v, depth], axis=-1)
-    return _mesh(points, _lattice(np.arange(u.size).reshape(u.shape)), np.gradient(points, axis=0))
+    return lattice_mesh(
+        points, lattice(np.arange(u.size).reshape(u.shape)), np.gradient(points, axis=0)
+    )
 
 
 def _knot(segments: int, sides: int) -> Mesh:
@@ -66,7 +68,7 @@ def _knot(segments: int, sides: int) -> Mesh:
     ring = np.cos(angle) * outward[:, None] + np.sin(angle) * across[:, None]
     points = curve[:, None] + 0.08 * ring + [0.0, 1.13, 0.0]
     threads = np.broadcast_to(tangent[:, None], points.shape)
-    return _mesh(points, _quads(segments, sides, closed=True), threads)
+    return lattice_mesh(points, quads(segments, sides, closed=True), threads)
 
 
 def _pedestal(rings: int, sides: int) -> Mesh:
@@ -83,29 +85,32 @@ def _pedestal(rings: int, sides: int) -> Mesh:
         ),
         axis=-1,
     )
-    return _mesh(points, _quads(rings, sides, closed=False), np.gradient(points, axis=0))
+    return lattice_mesh(points, quads(rings, sides, closed=False), np.gradient(points, axis=0))
 
 
-def _quads(rows: int, columns: int, *, closed: bool) -> NDArray[np.int64]:
+def quads(rows: int, columns: int, *, closed: bool) -> NDArray[np.int64]:
     """Triangles over a rows x columns lattice, closed in columns, and in rows if asked."""
     index = np.arange(rows * columns).reshape(rows, columns)
     index = np.concatenate([index, index[:, :1]], axis=1)
-    return _lattice(np.concatenate([index, index[:1]]) if closed else index)
+    return lattice(np.concatenate([index, index[:1]]) if closed else index)
 
 
-def _lattice(index: NDArray[np.int64]) -> NDArray[np.int64]:
+def lattice(index: NDArray[np.int64]) -> NDArray[np.int64]:
     """Triangles over a lattice of vertices."""
     a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
     triangles = np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)])
     return triangles.reshape(-1, 3)
 
 
-def _mesh(points: NDArray, faces: NDArray, threads: NDArray) -> Mesh:
+def lattice_mesh(points: NDArray, faces: NDArray, threads: NDArray | None = None) -> Mesh:
     """Mesh of a lattice of points and of the directions of its threads there, of any length."""
     import trimesh
 
     mesh = trimesh.Trimesh(points.reshape(-1, 3), faces, process=False)
-    along = threads.reshape(-1, 3) / np.linalg.norm(threads.reshape(-1, 3), axis=1, keepdims=True)
+    along = None
+    if threads is not None:
+        flat = threads.reshape(-1, 3)
+        along = flat / np.linalg.norm(flat, axis=1, keepdims=True)
     return Mesh(np.array(mesh.vertices), np.array(mesh.faces), np.array(mesh.vertex_normals), along)
 
 

@@ -49,6 +49,13 @@ CALLS = {
         "a.exr",
         "a.json",
     ),
+    "bounces render": (
+        "--sampling cosine --tables"
+        + 5 * " {made}/chalk.binary"
+        + " --resolution 4 --paths 16 --record {out}/a.json -o {out}/a.exr",
+        "a.exr",
+        "a.json",
+    ),
     "vary": (
         "{made}/A {made}/chalk.binary {made}/chalk.npz --objects sphere -o {out}/a.exr",
         "a.exr",

@@ -86,6 +86,13 @@ CALLS = [
         "interreflect fits/naive/chalk.npz --measured chalk.binary --light lights/grove.exr"
         " --objects figure --resolution 4 --paths 1 -o x.exr",
     ),
+    (
+        "bounces render",
+        ["npfm.rendering.sampling.cosine"],
+        "bounces render --sampling cosine --tables"
+        + 5 * " chalk.binary"
+        + " --resolution 4 --paths 16 --record x.json -o x.exr",
+    ),
     ("render", models("naive"), "render scenes/A fits/naive/chalk.npz -o x.exr"),
     (
         "tables psnr",

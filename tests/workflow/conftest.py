@@ -42,6 +42,13 @@ CONFIG = {
         "samples": [2, 4],
         "reference_samples": 16,
     },
+    "bounces": {
+        "materials": ["chalk"],
+        "resolution": 4,
+        "paths": 8,
+        "seconds": 0.01,
+        "reference_paths": 8,
+    },
     "importance": {
         "materials": ["chalk", "no-such"],
         "resolution": 6,

@@ -96,7 +96,7 @@ def bounced(
         points = _starts(surface, chosen, each, len(offsets), seed)
         radiance = _follow(world, reflectance, sampler, points, (seed << 16) + block)
         finite = np.isfinite(radiance).all(axis=1)
-        lost += np.count_nonzero(~finite)
+        lost += int(np.count_nonzero(~finite))
         radiance[~finite] = 0
         for total, values in zip(sums, (radiance, radiance**2), strict=True):
             for channel in range(3):
