@@ -17,7 +17,11 @@ COMPARED = {
     "abc-ours": (author_metrics.compressive, "abc-published"),
     "shifted-gamma": (author_metrics.compressive, "shifted-gamma-published"),
     "cook-torrance": (author_metrics.cosine, "cook-torrance-published"),
+    "ward": (author_metrics.cosine, "ward-published"),
+    "blinn-phong": (author_metrics.cosine, "blinn-phong-published"),
 }
+#: The fitted model of this lobe has several, and other criteria.
+ALONE = {"lafortune-published"}
 
 
 def thinned(table):
@@ -61,7 +65,7 @@ def test_our_fit_is_no_worse_than_the_published_one(data, measured, name, materi
 
 def test_every_model_that_is_compared_with_is_here():
     there = {name for name, model in registry.models().items() if model.published}
-    assert {published for _, published in COMPARED.values()} == there
+    assert {published for _, published in COMPARED.values()} == there - ALONE
 
 
 def test_the_weight_of_solid_angle_is_that_of_both_directions():
