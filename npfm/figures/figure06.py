@@ -110,7 +110,7 @@ def draw(ours: Mapping[str, Curves], published: Mapping[str, Curves]) -> Figure:
         axes = figure.subplots(len(ANGLES), len(ours), sharex="row", sharey="row", squeeze=False)
         for column, (material, factors) in zip(axes.T, ours.items(), strict=True):
             column[0].set_title(material)
-            _draw_column(column, _curves(factors), _published_curves(published.get(material, {})))
+            _draw_column(column, _curves(factors), published_curves(published.get(material, {})))
         for line, name in zip(axes, ANGLES, strict=True):
             line[0].set_ylabel(f"{name}, relative")
             for ax in line:
@@ -128,7 +128,7 @@ def _curves(factors: Curves) -> dict[str, NDArray]:
     return {**factors, "F G²": factors["F"] * factors["G"] ** 2} if factors else {}
 
 
-def _published_curves(factors: Curves) -> dict[str, NDArray]:
+def published_curves(factors: Curves) -> dict[str, NDArray]:
     """Curves of published factors, whose G has nodes of its own."""
     if not factors:
         return {}

@@ -209,6 +209,12 @@ class Run:
         described = self.config["scenes"][scene]
         return ["--exposure", f"{described['exposure']}", "--gamma", f"{described['gamma']}"]
 
+    @property
+    def tones(self) -> list[str]:
+        """Scenes as ``npfm gallery`` takes them, each with how its pictures are shown."""
+        scenes = self.config["scenes"].items()
+        return [f"{name}={scene['exposure']},{scene['gamma']}" for name, scene in scenes]
+
     def scene_options(self, scene: str) -> list[str]:
         """Arguments of ``npfm scene`` for a scene."""
         described = self.config["scenes"][scene]

@@ -75,6 +75,17 @@ CALLS = {
         "--quality {made}/quality.csv --opinions {made} -o {out}/a.csv",
         "a.csv",
     ),
+    "gallery material": (
+        "chalk --run {made} --scenes A=1,2 --variants bivariate --quality {made}/chalk.csv"
+        " -o {out}/a.html",
+        "a.html",
+        "a.jpg",
+    ),
+    "gallery overview": (
+        "mine --quality {made}/chalk.csv --fits {made}/fits.csv --summary {made}/summary.csv"
+        " -o {out}/a.html",
+        "a.html",
+    ),
     "figure figure04": ("-o {out}/a.pdf {out}/a.png", "a.pdf", "a.png"),
     "reproduction": (
         "--run {made} --dataset synthetic --psnr {made}/psnr.csv --summary {made}/summary.csv"
@@ -128,11 +139,15 @@ def folder(tmp_path_factory, table, light_file):
     parameters = {name: np.ones(shape, dtype=np.float32) for name, shape in shapes.items()}
     fits.save(made / "fits/independent-g/chalk.npz", Fit("independent-g", parameters, MERL))
     (made / "fits/bivariate").mkdir()
-    os.link(made / "chalk.npz", made / "fits/bivariate/chalk.npz")
+    for suffix in (".npz", ".json"):
+        os.link(made / f"chalk{suffix}", made / f"fits/bivariate/chalk{suffix}")
+    tables.write(made / "fits.csv", tables.fits(made, ["chalk"], ["bivariate"]))
     row = "all,chalk,ggx,logarithm,1,1,lower"
     (made / "PerceptualDistances.csv").write_text("METHOD;BRDF;DISTANCE\nGGX;chalk;0.5\n")
     (made / "MaterialType.csv").write_text("BRDF;Type\nchalk;Stone\n")
     (made / "quality.csv").write_text(f"{','.join(quality.COLUMNS)}\n{row}\n")
+    row = row.replace("ggx", "bivariate")
+    (made / "chalk.csv").write_text(f"{','.join(quality.COLUMNS)}\n{row}\n")
     pictures = made / "renders/A/chalk"
     pictures.mkdir(parents=True)
     for suffix in (".exr", ".png"):

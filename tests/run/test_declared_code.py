@@ -116,6 +116,12 @@ CALLS = [
     ("quality gather", [], "quality gather quality.csv -o x.csv"),
     ("quality summary", [], "quality summary quality.csv -o x.csv"),
     (
+        "gallery",
+        [],
+        "gallery material chalk --run . --scenes A=1,2 --variants naive --quality quality.csv"
+        " -o x.html",
+    ),
+    (
         "perception",
         [],
         "perception correlations --quality quality.csv --opinions . -o x.csv",
