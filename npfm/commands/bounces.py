@@ -15,7 +15,12 @@ from npfm.storage.files import replacing
 from npfm.storage.pictures import EXR, write_exr_parts
 
 #: What a digest covers beside this file (`npfm.run.provenance`).
-CODE = ("npfm.commands.numbers", "npfm.commands.outputs", "npfm.evaluation.bounces")
+CODE = (
+    "npfm.commands.numbers",
+    "npfm.commands.outputs",
+    "npfm.evaluation.bounces",
+    "npfm.evaluation.tables",
+)
 CODE_OF_KIND = {
     "render": (
         "npfm.commands.sources",

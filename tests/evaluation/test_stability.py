@@ -34,11 +34,28 @@ REFUSED = {
     "too-dark-to-store": "red channel needs a coefficient",
 }
 FITTED = [case for case in CASES if case not in REFUSED]
-#: Refused by one model only: its authors leave angles out.
-OUT_OF_RANGE = {("cook-torrance", "only-grazing"): "red channel has no sample within the angles"}
+#: Refused by some models only: their authors leave angles out.
+OUT_OF_RANGE = {
+    (model, "only-grazing"): "red channel has no sample within the angles"
+    for model in ("blinn-phong", "cook-torrance", "ward")
+}
 #: Searches of SciPy's, and a logarithm taken in a unit of its own: rounding, or the order in
 #: which channels are summed, can lead them elsewhere.
-OTHERS = {"abc-e2", "abc-ours", "cook-torrance", "ggx-fitted", "shifted-gamma", "tucker-20"}
+OTHERS = {
+    "abc-e2",
+    "abc-ours",
+    "ashikhmin-shirley",
+    "blinn-phong",
+    "cook-torrance",
+    "ggx-fitted",
+    "lafortune",
+    "shifted-gamma",
+    "tucker-20",
+    "ward",
+}
+#: An exponent of thousands makes the rounding of its base to float32 show in the objective; what is
+#: recorded is of the rounded fit, which is not the unrounded one that is rounded afterwards.
+ROUNDED_FIRST = {"lafortune"}
 COEFFICIENTS = {"rho_d", "rho_s", "B", "U"}
 #: Decibels beyond which two pictures count as the same.
 EQUAL_DB = 100.0
@@ -85,6 +102,8 @@ def test_every_fit_is_sound(exact, case, model, method):
             fitted(CASES[case](GRID), model, settings(method), STARTS)
         return
     table, fit = CASES[case](GRID), stored(exact(case, model, method))
+    if fit is not None and model in ROUNDED_FIRST:
+        fit = fitted(table, model, settings(method), STARTS)
     if fit is None:
         assert case == "all-of-double-precision"
         with pytest.raises(NpfmError, match="channel needs a coefficient"):
@@ -108,12 +127,13 @@ def test_scaled_and_permuted_channels_scale_and_permute_the_fit(exact, case, mod
     values = np.where(table.valid, factor * table.values, INVALID)[order]
     other = unrounded(Table(values, GRID), model, settings(method))
     # Equal channels that are fitted together differ by rounding, each in its place.
-    rounding = 1e-12 if "G" in registry.declared(model).shared else 0.0
+    rounding = 1e-12 if registry.declared(model).shared else 0.0
     for key, array in fit.parameters.items():
         expected = (factor if key in COEFFICIENTS else 1.0) * array
         if key not in registry.declared(model).shared:
             expected = expected[order]
-        np.testing.assert_allclose(other.parameters[key], expected, rtol=rounding, err_msg=key)
+        least = rounding * np.abs(expected).max()
+        np.testing.assert_allclose(other.parameters[key], expected, rounding, least, err_msg=key)
     for record, old in zip(other.records, (fit.records[k] for k in order), strict=True):
         assert record.status == old.status
         assert record.objective == pytest.approx(old.objective, rel=rounding, abs=0)

@@ -5,6 +5,7 @@ FACTORISATION = plan_factorisation(RUN)
 
 localrules:
     factorisation_table,
+    factorisation_figure,
 
 
 use rule npfm as factorisation_measure with:
@@ -75,6 +76,9 @@ use rule npfm as factorisation_steps with:
         record=f"{FACTORISATION.folder}/steps.json",
     log:
         f"{OUT}/logs/factorisation/steps.log",
+    resources:
+        mem_mb=1000,
+        runtime=15,
     params:
         verb="factor",
         code=command_code("factor"),

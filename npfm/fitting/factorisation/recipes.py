@@ -147,10 +147,12 @@ def _tints(
     """Mean of each channel over the intensity, (3,), and a factor of each of three angles.
 
     The product of the means over the others is the one term of least divergence. Where nothing is
-    reflected a colour is white.
+    reflected a colour is that of the rest, so that a channel that is black stays so.
     """
-    ratio = np.where(intensity > 0, rest / np.where(intensity > 0, intensity, 1), 1)
-    ratio = ratio.reshape(3, *angles.shape[2:], -1)
+    seen = intensity > 0
+    ratio = rest / np.where(seen, intensity, 1)
+    mean = ratio.sum(axis=(1, 2)) / max(np.count_nonzero(seen), 1)
+    ratio = np.where(seen, ratio, mean[:, None, None]).reshape(3, *angles.shape[2:], -1)
     share = ratio.mean(axis=(1, 2, 3))
     over = (ratio.mean(axis=(1, 2)), ratio.mean(axis=(2, 3)), ratio.mean(axis=(1, 3)))
     view, theta, phi = (_divided(mean, share[:, None]) for mean in over)
