@@ -3,10 +3,10 @@
 from npfm.datasets.parameter_files import DIFFUSE, Parameters
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective
-from npfm.fitting.parametric import lobes, ngan
+from npfm.fitting.parametric import ngan
+from npfm.fitting.parametric.lobes import Model
 from npfm.fitting.parametric.ngan import BLINN_PHONG as FORM
 from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "blinn-phong-published"
@@ -20,10 +20,9 @@ PUBLISHED = {
     "shapes": {"albedo": (3,), "sharpness": ()},
 }
 
-
-def parameter_count(grid: HalfDifference) -> int:
-    """Number of values stored for a material, on whatever grid."""
-    return lobes.parameter_count(FORM)
+MODEL = Model(NAME, FORM)
+tabulate = MODEL.tabulate
+parameter_count = MODEL.parameter_count
 
 
 def fit(
@@ -32,9 +31,4 @@ def fit(
     """Take the published parameters as they are; see `ngan.published`."""
     albedos = published[DIFFUSE], published["albedo"]
     shape = {"n": published["sharpness"]}
-    return ngan.published(NAME, FORM, table, objective, albedos, shape)
-
-
-def tabulate(fit: Fit) -> Table:
-    """Values of a fit at every cell of its grid, in 1/sr."""
-    return lobes.tabulate(FORM, fit)
+    return ngan.published(MODEL, table, objective, albedos, shape)

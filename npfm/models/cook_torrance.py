@@ -9,13 +9,8 @@ there are several starts.
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fitting.fits import Fit
-from npfm.fitting.objective import Objective
-from npfm.fitting.parametric import author_metrics, lobe_fits, lobes
+from npfm.fitting.parametric import author_metrics, lobe_fits
 from npfm.fitting.parametric.lobes import Directions, Form, Shape
-from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance.half_difference import HalfDifference
-from npfm.reflectance.table import Table
 
 NAME = "cook-torrance"
 COEFFICIENTS = ("rho_d", "rho_s")
@@ -45,17 +40,7 @@ FORM = Form(
     samples=80_000,
 )
 
-
-def parameter_count(grid: HalfDifference) -> int:
-    """Number of values stored for a material, on whatever grid."""
-    return lobes.parameter_count(FORM)
-
-
-def fit(table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
-    """Fit the model; `solve` and `seed` are not needed. See `lobe_fits.fit`."""
-    return lobe_fits.fit(NAME, FORM, author_metrics.cosine, table, objective)
-
-
-def tabulate(fit: Fit) -> Table:
-    """Values of a fit at every cell of its grid, in 1/sr."""
-    return lobes.tabulate(FORM, fit)
+MODEL = lobe_fits.Fitted(NAME, FORM, author_metrics.cosine)
+fit = MODEL.fit
+tabulate = MODEL.tabulate
+parameter_count = MODEL.parameter_count

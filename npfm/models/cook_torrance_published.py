@@ -5,10 +5,10 @@ import numpy as np
 from npfm.datasets.parameter_files import DIFFUSE, Parameters
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective
-from npfm.fitting.parametric import lobes, ngan
+from npfm.fitting.parametric import ngan
+from npfm.fitting.parametric.lobes import Model
 from npfm.fitting.solvers.problem import Solver
 from npfm.models.cook_torrance import FORM
-from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "cook-torrance-published"
@@ -22,10 +22,9 @@ PUBLISHED = {
     "shapes": {"albedo": (3,), "eta": (), "roughness": ()},
 }
 
-
-def parameter_count(grid: HalfDifference) -> int:
-    """Number of values stored for a material, on whatever grid."""
-    return lobes.parameter_count(FORM)
+MODEL = Model(NAME, FORM)
+tabulate = MODEL.tabulate
+parameter_count = MODEL.parameter_count
 
 
 def fit(
@@ -34,9 +33,4 @@ def fit(
     """Take the published parameters as they are; see `ngan.published`."""
     albedos = published[DIFFUSE], published["albedo"] / np.pi
     shape = {"roughness": published["roughness"], "f0": published["eta"]}
-    return ngan.published(NAME, FORM, table, objective, albedos, shape)
-
-
-def tabulate(fit: Fit) -> Table:
-    """Values of a fit at every cell of its grid, in 1/sr."""
-    return lobes.tabulate(FORM, fit)
+    return ngan.published(MODEL, table, objective, albedos, shape)

@@ -4,13 +4,8 @@
 fitted: to be sampled, as by Lawrence et al. 2004, by one of two criteria.
 """
 
-from npfm.fitting.fits import Fit
-from npfm.fitting.objective import Objective
 from npfm.fitting.parametric import mixtures
 from npfm.fitting.parametric.lafortune import FORM
-from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance.half_difference import HalfDifference
-from npfm.reflectance.table import Table
 
 NAME = "lafortune"
 COEFFICIENTS = ("rho_d", "rho_s")
@@ -26,37 +21,8 @@ SETTINGS = {
         "least-squares": "squared differences of the reflected light",
     },
 }
-LOBES = 2
 
-
-def parameter_count(grid: HalfDifference, lobes: int = LOBES) -> int:
-    """Number of values stored for a material, on whatever grid."""
-    return mixtures.parameter_count(FORM, lobes)
-
-
-def fit(
-    table: Table,
-    objective: Objective,
-    solve: Solver,
-    seed: int,
-    *,
-    lobes: int = LOBES,
-    criterion: str = "kullback-leibler",
-) -> Fit:
-    """Fit the lobes; `solve` and `seed` are not needed, the starts are the same each time.
-
-    `npfm.models` says what every `fit` takes and raises.
-
-    Parameters
-    ----------
-    lobes : int
-        How many.
-    criterion : str
-        What is minimised: ``kullback-leibler`` or ``least-squares``.
-    """
-    return mixtures.fit(NAME, FORM, lobes, criterion, table, objective)
-
-
-def tabulate(fit: Fit) -> Table:
-    """Values of a fit at every cell of its grid, in 1/sr."""
-    return mixtures.tabulate(FORM, fit)
+MODEL = mixtures.Model(NAME, FORM, lobes=2)
+fit = MODEL.fit
+tabulate = MODEL.tabulate
+parameter_count = MODEL.parameter_count

@@ -5,10 +5,10 @@ import numpy as np
 from npfm.datasets.parameter_files import DIFFUSE, Parameters
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective
-from npfm.fitting.parametric import lobes, ngan
+from npfm.fitting.parametric import ngan
 from npfm.fitting.parametric.lafortune import FORM
+from npfm.fitting.parametric.lobes import Model
 from npfm.fitting.solvers.problem import Solver
-from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "lafortune-published"
@@ -23,10 +23,9 @@ PUBLISHED = {
     "shapes": {"albedo": (3,), "Cxy": (), "Cz": (), "sharpness": ()},
 }
 
-
-def parameter_count(grid: HalfDifference) -> int:
-    """Number of values stored for a material, on whatever grid."""
-    return lobes.parameter_count(FORM)
+MODEL = Model(NAME, FORM)
+tabulate = MODEL.tabulate
+parameter_count = MODEL.parameter_count
 
 
 def fit(
@@ -41,9 +40,4 @@ def fit(
     largest = np.maximum(np.abs(C_xy), np.abs(C_z))
     albedos = published[DIFFUSE], published["albedo"] * (n + 2) / (2 * np.pi)
     shape = {"n": n, "C_xy": C_xy / largest, "C_z": C_z / largest}
-    return ngan.published(NAME, FORM, table, objective, albedos, shape)
-
-
-def tabulate(fit: Fit) -> Table:
-    """Values of a fit at every cell of its grid, in 1/sr."""
-    return lobes.tabulate(FORM, fit)
+    return ngan.published(MODEL, table, objective, albedos, shape)

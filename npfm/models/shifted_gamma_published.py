@@ -5,10 +5,9 @@ import numpy as np
 from npfm.datasets.parameter_files import DIFFUSE, Parameters
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective
-from npfm.fitting.parametric import lobes
+from npfm.fitting.parametric.lobes import Model
 from npfm.fitting.solvers.problem import Solver
 from npfm.models.shifted_gamma import FORM
-from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 
 NAME = "shifted-gamma-published"
@@ -34,10 +33,9 @@ PUBLISHED = {
 #: Tau where c is 0: no angle comes near it, so G is 1.
 NEVER = 1e3
 
-
-def parameter_count(grid: HalfDifference) -> int:
-    """Number of values stored for a material, on whatever grid."""
-    return lobes.parameter_count(FORM)
+MODEL = Model(NAME, FORM)
+tabulate = MODEL.tabulate
+parameter_count = MODEL.parameter_count
 
 
 def fit(
@@ -63,10 +61,4 @@ def fit(
         "k": k,
         "theta0": published["theta0"],
     }
-    arrays = {name: np.atleast_1d(value).astype(np.float32) for name, value in parameters.items()}
-    return lobes.published(FORM, table, objective, Fit(NAME, arrays, table.grid))
-
-
-def tabulate(fit: Fit) -> Table:
-    """Values of a fit at every cell of its grid, in 1/sr."""
-    return lobes.tabulate(FORM, fit)
+    return MODEL.published(table, objective, parameters)

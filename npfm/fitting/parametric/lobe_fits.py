@@ -14,8 +14,8 @@ from npfm.fitting.channels import CoupledFit, fit_coupled, with_end
 from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples
 from npfm.fitting.parametric.author_metrics import Goal, Metric
-from npfm.fitting.parametric.lobes import NORMAL, Directions, Form, at_cells, tabulate
-from npfm.fitting.solvers.problem import NEGLIGIBLE
+from npfm.fitting.parametric.lobes import NORMAL, Directions, Form, Model, at_cells, tabulate
+from npfm.fitting.solvers.problem import NEGLIGIBLE, Solver
 from npfm.reflectance.table import CHANNELS, Table
 
 COEFFICIENTS = ("rho_d", "rho_s")
@@ -69,6 +69,23 @@ def fit(name: str, form: Form, metric: Metric, table: Table, objective: Objectiv
         name, table, objective, fit_together, partial(tabulate, form), COEFFICIENTS, False
     )
     return replace(fit, records=tuple(with_end(record) for record in fit.records))
+
+
+@dataclass(frozen=True)
+class Fitted(Model):
+    """A model of one lobe that is fitted so.
+
+    Parameters
+    ----------
+    metric : callable
+        What is minimised.
+    """
+
+    metric: Metric
+
+    def fit(self, table: Table, objective: Objective, solve: Solver, seed: int) -> Fit:
+        """Fit the model; `solve` and `seed` are not needed. See `fit` of this module."""
+        return fit(self.name, self.form, self.metric, table, objective)
 
 
 def _check_samples(name: str, goals: Sequence[Goal]) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from npfm.fitting.channels import as_table, records_of, with_end
 from npfm.fitting.fits import Fit, Trace
@@ -146,9 +146,41 @@ def tabulate(form: Form, fit: Fit) -> Table:
     return as_table([np.concatenate([v, v[..., ::-1]], axis=-1) for v in values], grid)
 
 
-def published(form: Form, table: Table, objective: Objective, fit: Fit) -> Fit:
-    """Return a fit of published parameters with a record that says so."""
-    folded = [fold(channel_samples(table, channel, objective)) for channel in range(len(CHANNELS))]
-    trace = Trace("published", "published", 0, 0, (0.0,), (0.0,))
-    records = records_of(tabulate(form, fit), folded, [[trace]] * len(CHANNELS), 0.0)
-    return replace(fit, records=tuple(with_end(record) for record in records))
+@dataclass(frozen=True)
+class Model:
+    """What the file of a model of one lobe has, but for its `fit`.
+
+    Parameters
+    ----------
+    name : str
+        Of the model.
+    form : Form
+        Its lobe.
+    """
+
+    name: str
+    form: Form
+
+    def parameter_count(self, grid: HalfDifference) -> int:
+        """Number of values stored for a material, on whatever grid."""
+        return parameter_count(self.form)
+
+    def tabulate(self, fit: Fit) -> Table:
+        """Values of a fit at every cell of its grid, in 1/sr."""
+        return tabulate(self.form, fit)
+
+    def published(self, table: Table, objective: Objective, values: Mapping[str, ArrayLike]) -> Fit:
+        """Return published parameters as a fit, with a record of the table that says so.
+
+        Raises
+        ------
+        NpfmError
+            If a channel of the table has no sample that counts.
+        """
+        arrays = {name: np.atleast_1d(value).astype(np.float32) for name, value in values.items()}
+        fit = Fit(self.name, arrays, table.grid)
+        channels = range(len(CHANNELS))
+        folded = [fold(channel_samples(table, channel, objective)) for channel in channels]
+        trace = Trace("published", "published", 0, 0, (0.0,), (0.0,))
+        records = records_of(self.tabulate(fit), folded, [[trace]] * len(CHANNELS), 0.0)
+        return replace(fit, records=tuple(with_end(record) for record in records))

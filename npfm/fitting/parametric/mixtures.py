@@ -23,6 +23,7 @@ from npfm.fitting.objective import Objective, Samples, solid_angles
 from npfm.fitting.parametric.author_metrics import Goal
 from npfm.fitting.parametric.lobe_fits import thinned
 from npfm.fitting.parametric.lobes import Directions, Form
+from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import CHANNELS, Table
 
@@ -297,3 +298,54 @@ def tabulate(form: Form, fit: Fit) -> Table:
     values = _values(form, fit, at)
     # Computed once for both halves of phi_d: exactly reciprocal.
     return as_table([np.concatenate([v, v[..., ::-1]], axis=-1) for v in values], grid)
+
+
+@dataclass(frozen=True)
+class Model:
+    """A model of several lobes of one form, as its file has it.
+
+    Parameters
+    ----------
+    name : str
+        Of the model.
+    form : Form
+        Of each lobe.
+    lobes : int
+        How many, if nothing is said.
+    """
+
+    name: str
+    form: Form
+    lobes: int
+
+    def parameter_count(self, grid: HalfDifference, lobes: int | None = None) -> int:
+        """Number of values stored for a material, on whatever grid."""
+        return parameter_count(self.form, self.lobes if lobes is None else lobes)
+
+    def fit(
+        self,
+        table: Table,
+        objective: Objective,
+        solve: Solver,
+        seed: int,
+        *,
+        lobes: int | None = None,
+        criterion: str = "kullback-leibler",
+    ) -> Fit:
+        """Fit the lobes; `solve` and `seed` are not needed, the starts are the same each time.
+
+        `npfm.models` says what every `fit` takes and raises.
+
+        Parameters
+        ----------
+        lobes : int
+            How many.
+        criterion : str
+            What is minimised: ``kullback-leibler`` or ``least-squares``.
+        """
+        count = self.lobes if lobes is None else lobes
+        return fit(self.name, self.form, count, criterion, table, objective)
+
+    def tabulate(self, fit: Fit) -> Table:
+        """Values of a fit at every cell of its grid, in 1/sr."""
+        return tabulate(self.form, fit)

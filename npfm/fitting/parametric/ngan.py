@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective
-from npfm.fitting.parametric import lobes
-from npfm.fitting.parametric.lobes import Directions, Form, Shape
+from npfm.fitting.parametric.lobes import Directions, Form, Model, Shape
 from npfm.reflectance.merl import CHANNEL_SCALE
 from npfm.reflectance.table import Table
 
@@ -57,8 +56,7 @@ BLINN_PHONG = Form(
 
 
 def published(
-    name: str,
-    form: Form,
+    model: Model,
     table: Table,
     objective: Objective,
     albedos: tuple[NDArray, NDArray],
@@ -68,16 +66,14 @@ def published(
 
     Parameters
     ----------
-    name : str
-        Of the model.
-    form : Form
-        Its lobe.
+    model : Model
+        Whose they are.
     table, objective
         The measurement and what is recorded of it.
     albedos : two ndarrays, shape (3,)
         The published diffuse albedo, and what the lobe is multiplied by, as published.
     shape : mapping of str to ndarray
-        The lobe's parameters by the names that `form` has for them.
+        The lobe's parameters by the names that the model's form has for them.
 
     Raises
     ------
@@ -86,5 +82,4 @@ def published(
     """
     diffuse, lobe = albedos
     values = {"rho_d": diffuse * CHANNEL_WEIGHT / np.pi, "rho_s": lobe * CHANNEL_WEIGHT, **shape}
-    arrays = {key: np.atleast_1d(value).astype(np.float32) for key, value in values.items()}
-    return lobes.published(form, table, objective, Fit(name, arrays, table.grid))
+    return model.published(table, objective, values)
