@@ -7,7 +7,7 @@ from typing import Any
 from npfm.fitting import registry
 from npfm.fitting.solvers.choice import SOLVERS
 from npfm.run.config import Run, check
-from npfm.run.study import fit_folders
+from npfm.run.study import Study
 
 #: Whose starts, tolerance and traces are examined.
 MODEL = "independent-g"
@@ -24,38 +24,25 @@ MOST_MATERIALS = 6
 
 
 @dataclass(frozen=True)
-class Plan:
+class Plan(Study):
     """What the target `accuracy_cost` makes, beside what the run makes.
 
     Parameters
     ----------
-    run : Run
-    study : Run
-        The same run with a variant for each setting.
     stages : dict of str to dict of str to str
         For each stage (``model``, ``starts``, ``tolerance``) the variant of each setting.
     materials : tuple of str
         In the order of the configuration.
     """
 
-    run: Run
-    study: Run
+    name = "accuracy_cost"
+
     stages: Mapping[str, Mapping[str, str]]
     materials: tuple[str, ...]
 
-    @property
-    def folder(self) -> str:
-        """Where all of it goes but tables and figures."""
-        return f"{self.run.folder}/accuracy_cost"
-
-    @property
-    def fit_folders(self) -> dict[str, str]:
-        """Folder of the fits of each variant of the study."""
-        return fit_folders(self.run, self.study, self.folder)
-
     def settings(self, stage: str) -> dict[str, str]:
         """Folder of the fits of each setting of a stage."""
-        folders = self.fit_folders
+        folders = self.folders
         return {setting: folders[variant] for setting, variant in self.stages[stage].items()}
 
     @property
@@ -76,7 +63,7 @@ class Plan:
 
     def fits(self, material: str) -> list[str]:
         """All fits of a material, without repetition."""
-        return [f"{folder}/{material}.npz" for folder in dict.fromkeys(self.fit_folders.values())]
+        return [f"{folder}/{material}.npz" for folder in dict.fromkeys(self.folders.values())]
 
     @property
     def fit_arguments(self) -> list[str]:

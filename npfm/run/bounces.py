@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from npfm.rendering.sampling import registry as sampling
 from npfm.run.config import Run, check
-from npfm.run.study import fit_folders
+from npfm.run.study import Study
 from npfm.run.words import option
 
 #: What stands for the reference among the samplers.
@@ -24,23 +24,10 @@ PARTS = 5
 
 
 @dataclass(frozen=True)
-class Plan:
-    """What the target makes beside a run.
+class Plan(Study):
+    """What the target makes beside a run."""
 
-    Parameters
-    ----------
-    run : Run
-    study : Run
-        The same run with the variants that samplers follow.
-    """
-
-    run: Run
-    study: Run
-
-    @property
-    def folder(self) -> str:
-        """Where all of it goes but table and figure."""
-        return f"{self.run.folder}/bounces"
+    name = "bounces"
 
     @property
     def materials(self) -> list[str]:
@@ -66,7 +53,7 @@ class Plan:
         """Fits that a sampler follows, of the parts: none for one that follows tables."""
         if sampler == REFERENCE or SAMPLERS[sampler][1] is None:
             return []
-        folder = fit_folders(self.run, self.study, self.folder)[sampler]
+        folder = self.folders[sampler]
         return [f"{folder}/{name}.npz" for name in self.materials]
 
     def options(self, sampler: str) -> list[str]:

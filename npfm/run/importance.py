@@ -9,7 +9,7 @@ from npfm.papers import lawrence2004
 from npfm.rendering.sampling import registry
 from npfm.run.config import Run, check
 from npfm.run.datasets import available
-from npfm.run.study import fit_folders
+from npfm.run.study import Study
 from npfm.run.words import option
 
 #: The light of the paper's Table 2, where a run has it.
@@ -61,23 +61,10 @@ MOST_MATERIALS, MOST_SHOWN = 6, 2
 
 
 @dataclass(frozen=True)
-class Plan:
-    """What the target makes.
+class Plan(Study):
+    """What the target makes."""
 
-    Parameters
-    ----------
-    run : Run
-    study : Run
-        The same run with the materials that are measured, and the models that are followed.
-    """
-
-    run: Run
-    study: Run
-
-    @property
-    def folder(self) -> str:
-        """Where all of it goes but tables and figures."""
-        return f"{self.run.folder}/importance"
+    name = "importance"
 
     @property
     def materials(self) -> tuple[str, ...]:
@@ -107,7 +94,7 @@ class Plan:
 
     def fit(self, variant: str, material: str) -> str:
         """A fit of the study: the run's, if that has it."""
-        theirs = fit_folders(self.run, self.study, self.folder)[variant]
+        theirs = self.folders[variant]
         own = f"{self.folder}/fits/{variant}"
         return f"{theirs if material in self.run.materials else own}/{material}.npz"
 

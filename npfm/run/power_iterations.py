@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from npfm.papers import dupuy2015
 from npfm.papers.captions import chosen
 from npfm.run.config import Run, check
+from npfm.run.study import Study
 
 #: The model whose microfacets are edited and told, and its conversions.
 MODEL = "power-iteration"
@@ -33,23 +34,10 @@ EDITED_ANISOTROPIC = ("brushed-steel", "rolled-gold", "satin")
 
 
 @dataclass(frozen=True)
-class Plan:
-    """What the target makes.
+class Plan(Study):
+    """What the target makes."""
 
-    Parameters
-    ----------
-    run : Run
-    study : Run
-        The same run with the variants that are compared.
-    """
-
-    run: Run
-    study: Run
-
-    @property
-    def folder(self) -> str:
-        """Where all of it goes but tables and figures."""
-        return f"{self.run.folder}/power_iterations"
+    name = "power_iterations"
 
     @property
     def scene(self) -> str:

@@ -8,7 +8,7 @@ from npfm.papers.captions import chosen
 from npfm.rendering.sampling import registry
 from npfm.run.config import Run, check
 from npfm.run.provenance import command_code
-from npfm.run.study import fit_folders
+from npfm.run.study import Study
 
 #: Stages and words of settings that `npfm.evaluation.shared_lobes` knows, and the strategies of its
 #: ways of sampling; it is not imported, so that a dry run is quick.
@@ -24,28 +24,10 @@ SAMPLED = ("black-obsidian", "alum-bronze", "nylon")
 
 
 @dataclass(frozen=True)
-class Plan:
-    """What the target makes.
+class Plan(Study):
+    """What the target makes."""
 
-    Parameters
-    ----------
-    run : Run
-    study : Run
-        The same run with the variants that are compared.
-    """
-
-    run: Run
-    study: Run
-
-    @property
-    def folder(self) -> str:
-        """Where all of it goes but tables and figures."""
-        return f"{self.run.folder}/shared_lobes"
-
-    @property
-    def folders(self) -> dict[str, str]:
-        """Folder of the fits of each variant of the study."""
-        return fit_folders(self.run, self.study, self.folder)
+    name = "shared_lobes"
 
     @property
     def scenes(self) -> list[str]:

@@ -1,6 +1,37 @@
 """Fits beyond the variants of a run, for a question of their own."""
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 from npfm.run.config import Run
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a target makes beside a run, with fits of its own.
+
+    Parameters
+    ----------
+    run : Run
+    study : Run
+        The same run with the variants that are compared or followed.
+    """
+
+    #: Name of the folder that all of it goes to but tables and figures.
+    name: ClassVar[str]
+
+    run: Run
+    study: Run
+
+    @property
+    def folder(self) -> str:
+        """Where all of it goes but tables and figures."""
+        return f"{self.run.folder}/{self.name}"
+
+    @property
+    def folders(self) -> dict[str, str]:
+        """Folder of the fits of each variant of the study: the run's, where it has them."""
+        return fit_folders(self.run, self.study, self.folder)
 
 
 def fit_folders(run: Run, study: Run, folder: str) -> dict[str, str]:
