@@ -3,6 +3,7 @@
 As in `npfm.exports.mitsuba.samplers`, each has the numbers of its strategy and draws one direction.
 """
 
+from abc import ABC, abstractmethod
 from typing import Any
 
 import drjit as dr
@@ -19,7 +20,7 @@ from npfm.rendering.sampling.lafortune import LEAST_HEIGHT, LafortuneSampling
 from npfm.rendering.sampling.shares import LEAST_COSINE
 
 
-class Mixture:
+class Mixture(ABC):
     """Distributions, and the cosine's as the last, which are chosen by what they reflect.
 
     Parameters
@@ -65,17 +66,17 @@ class Mixture:
         each = [e / dr.select(some, rest, 1.0) * (1 - cosine) for e in energy]
         return [*each, cosine]
 
+    @abstractmethod
     def _energies(self, view: Any) -> list[Any]:
         """What each distribution reflects of even light."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _draw(self, view: Any, term: Any, part: Any, v: Any) -> Any:
         """Light direction of one of the distributions, of two uniform numbers."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _densities(self, view: Any, light: Any) -> list[Any]:
         """Density of each distribution in 1/sr."""
-        raise NotImplementedError
 
 
 class Lafortune(Mixture):
