@@ -43,7 +43,6 @@ def draw(sampling: pd.DataFrame) -> Figure:
                 ax.loglog(line["samples"], line["rms"], color=color, marker=mark, label=way)
             ax.set_title(name)
             ax.set_xlabel("light directions a pixel")
-            style.plain_logarithmic(ax.xaxis)
             ax.grid(True)
             ax.set_axisbelow(True)
         panels[0].set_ylabel("root mean square error of radiance,\nof the largest radiance")
