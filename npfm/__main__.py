@@ -24,6 +24,7 @@ VERBS = {
     "fit": "fit a model to a MERL .binary or UTIA .bin file",
     "factor": "factor a table or a formula, to be sampled",
     "tabulate": "write a fit as a MERL .binary or UTIA .bin file",
+    "export": "write a fit in a format of other programs",
     "edit": "make the microfacets of a fit rougher or smoother",
     "texture": "write fits of many materials as one small EXR picture",
     "light": "convert a light probe, or generate a light, as a lat-long EXR",

@@ -1,21 +1,15 @@
 """``npfm texture``."""
 
 import argparse
-from pathlib import Path
 
 from npfm.commands.outputs import output
-from npfm.errors import NpfmError
-from npfm.exports.texture import labels, texture
-from npfm.fitting import fits
-from npfm.storage.names import distinct
-from npfm.storage.pictures import EXR, write_exr
+from npfm.exports.sources import Source
+from npfm.exports.texture import KIND, write
 
 #: What a digest covers beside this file (`npfm.run.provenance`).
 CODE = (
     "npfm.commands.outputs",
     "npfm.exports.texture",
-    "npfm.storage.names",
-    "npfm.storage.pictures",
 )
 EXAMPLE = """\
 example:
@@ -30,14 +24,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EXAMPLE
     parser.add_argument("fits", nargs="+", help="fits (.npz) of independent-g")
     parser.add_argument(
-        "-o", "--output", type=output(EXR), required=True, help="picture to write (.exr)"
+        "-o", "--output", type=output(KIND), required=True, help="picture to write (.exr)"
     )
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Write the texture."""
-    names = distinct(Path(path).stem for path in arguments.fits)
-    if wrong := [name for name in names if name.split() != [name]]:
-        raise NpfmError(f"'{wrong[0]}': blanks stand between names in the header; rename the fit")
-    loaded = dict(zip(names, map(fits.load, arguments.fits), strict=True))
-    write_exr(arguments.output, texture(loaded), labels(loaded))
+    write(arguments.output, [Source(path) for path in arguments.fits])

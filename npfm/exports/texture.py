@@ -3,16 +3,40 @@
 Bagher et al. 2016, appendix "Rendering Details": all fits of independent-g in one float texture.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
+from npfm.exports.sources import Source
 from npfm.fitting.fits import Fit
+from npfm.storage.names import distinct
+from npfm.storage.pictures import EXR, write_exr
 
+NAME = "texture"
+ABOUT = "the factors of many materials as one small float picture, for a shader"
+SUFFIX = ".exr"
+MODELS = ("independent-g",)
+MANY = True
+KIND = EXR
 #: Parameters from the top row to the bottom row.
 PARAMETERS = ("rho_d", "rho_s", "D", "G", "F")
+
+
+def write(path: str, sources: Sequence[Source]) -> None:
+    """Write the texture of some fits, with a header that tells the names and rows.
+
+    Raises
+    ------
+    NpfmError
+        If two fits have one name, a name has a blank in it, or `texture` refuses a fit.
+    """
+    names = distinct(source.name for source in sources)
+    if wrong := [name for name in names if name.split() != [name]]:
+        raise NpfmError(f"'{wrong[0]}': blanks stand between names in the header; rename the fit")
+    fits = {source.name: source.fit for source in sources}
+    write_exr(path, texture(fits), labels(fits))
 
 
 def texture(fits: Mapping[str, Fit]) -> NDArray[np.float32]:

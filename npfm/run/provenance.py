@@ -22,6 +22,7 @@ WHERE_IMPORTED = {"numba": "numba", "tensorly": "tensorly", "sklearn": "scikit-l
 #: Where modules are imported by a name that is only known when it runs; whoever depends on one of
 #: these names the modules as well.
 BY_NAME = (
+    "npfm.exports.registry",
     "npfm.fitting.registry",
     "npfm.fitting.solvers.choice",
     "npfm.rendering.sampling.registry",

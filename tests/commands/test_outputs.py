@@ -35,6 +35,9 @@ CALLS = {
     "shared-lobes psnr": ("{made}/compared.csv -o {out}/a.csv", "a.csv"),
     "tabulate": ("{made}/chalk.npz -o {out}/a.binary", "a.binary"),
     "texture": ("{made}/fits/independent-g/chalk.npz -o {out}/a.exr", "a.exr"),
+    "export --to merl": ("{made}/chalk.npz -o {out}/a.binary", "a.binary"),
+    "export --to csv": ("{made}/fits/independent-g/chalk.npz -o {out}/a.csv", "a.csv"),
+    "export --to texture": ("{made}/fits/independent-g/chalk.npz -o {out}/a.exr", "a.exr"),
     "light": ("{made}/grove.exr --layout lat-long --height 4 -o {out}/a.exr", "a.exr"),
     "scene": (
         "--light {made}/grove.exr --objects sphere --resolution 4 --samples 16"

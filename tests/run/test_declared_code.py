@@ -176,6 +176,11 @@ CALLS = [
         " --reference-samples 4 --repetitions 1 -o x.csv",
     ),
     ("power-iterations timing", [], "power-iterations timing --repeats 1 -o x.csv"),
+    (
+        "export",
+        ["npfm.exports.merl", *models("naive")],
+        "export fits/naive/chalk.npz --to merl -o x.binary",
+    ),
     ("edit", models("power-iteration"), "edit power.npz --roughness 2 -o x.npz"),
     ("stability gather", [], "stability gather stability.csv -o x.csv"),
 ]
