@@ -22,6 +22,7 @@ CODE = (
 )
 #: And what it covers for some of the kinds.
 CODE_OF_KIND = {
+    "formula": ("npfm.datasets.analytic",),
     "synthetic": ("npfm.datasets.synthetic",),
     "neural": ("npfm.datasets.neural",),
     "merl": ("npfm.datasets.merl_folder",),
@@ -34,6 +35,7 @@ examples:
   python -m npfm material --neural chrome --from merl_nbrdf.zip -o chrome.binary
   python -m npfm material --merl chrome --from brdfs -o chrome.binary
   python -m npfm material --synthetic-anisotropic brushed-steel -o steel.bin
+  python -m npfm material --formula cook-torrance -o rough-metal.binary
   python -m npfm material --utia m002_carpet --from utia -o carpet.bin
 --merl checks brdfs/chrome.binary and links to it, as --utia does; with --url, a file that is
 missing there is downloaded first. Tables are BRDFs in 1/sr, in .binary files in MERL's own scaling.
@@ -55,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EXAMPLE
     kind = parser.add_mutually_exclusive_group(required=True)
     kind.add_argument("--synthetic", metavar="NAME", help="a material that the project makes")
+    kind.add_argument("--formula", metavar="NAME", help="a formula of Lawrence et al. 2004")
     kind.add_argument("--neural", metavar="NAME", help="a material of the neural archive")
     kind.add_argument("--merl", metavar="NAME", help="a material of a folder of .binary files")
     kind.add_argument("--utia", metavar="NAME", help="a material of a folder of .bin files")
@@ -84,7 +87,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Write the table, or link to it."""
-    made = arguments.synthetic or arguments.synthetic_anisotropic
+    made = arguments.synthetic or arguments.synthetic_anisotropic or arguments.formula
     if arguments.shape and not arguments.synthetic_anisotropic:
         raise NpfmError("--shape goes with --synthetic-anisotropic; leave it out")
     if not made and not arguments.source:
@@ -99,6 +102,10 @@ def run(arguments: argparse.Namespace) -> None:
         grid = grids.parse([UTIA.kind, *([arguments.shape] if arguments.shape else [])])
         assert isinstance(grid, Directional)  # as its kind says
         write_table(arguments.output, synthetic_anisotropic.load(made, arguments.seed, grid))
+    elif arguments.formula:
+        from npfm.datasets import analytic
+
+        write_table(arguments.output, analytic.tabulated(arguments.formula))
     elif arguments.neural:
         from npfm.datasets import neural
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.datasets.anisotropic_formulas import Pairs
+from npfm.errors import NpfmError, suggest
 from npfm.reflectance.angles import directions
 from npfm.reflectance.half_difference import MERL
 from npfm.reflectance.microsurfaces import beckmann, tangent
@@ -138,8 +139,21 @@ def brdf(source: str) -> Callable[[Array, Array], Array]:
     return FORMULAS[source] if source in FORMULAS else read_table(source).lookup
 
 
+def materials() -> list[str]:
+    """Names of the formulas that are materials: the isotropic ones, sorted."""
+    return sorted(ISOTROPIC)
+
+
 def tabulated(name: str) -> Table:
-    """Values of an isotropic formula at the cells of the MERL grid."""
+    """Values of an isotropic formula at the cells of the MERL grid.
+
+    Raises
+    ------
+    NpfmError
+        If there is no such formula.
+    """
+    if name not in ISOTROPIC:
+        raise NpfmError(f"no isotropic formula '{name}'; {suggest(name, materials())}")
     values = np.full((3, *MERL.shape), INVALID)
     for k, theta_h in enumerate(MERL.theta_h):
         light, view = directions(theta_h, MERL.theta_d[:, None], MERL.phi_d)

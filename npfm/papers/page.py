@@ -37,6 +37,10 @@ TABLES = {
         "**The materials are made by formulas.** What the paper found on measured ones need not "
         "hold on them."
     ),
+    "formula": (
+        "**The materials are formulas**, without noise. What the paper found on measured ones need "
+        "not hold on them."
+    ),
     "utia": "The tables are those of the files that the run names, taken for the UTIA database's.",
     "synthetic-anisotropic": (
         "**The materials are made by formulas.** The UTIA database (Filip and Vavra 2014), of "

@@ -5,7 +5,14 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from npfm.datasets import merl_folder, neural, synthetic, synthetic_anisotropic, utia_folder
+from npfm.datasets import (
+    analytic,
+    merl_folder,
+    neural,
+    synthetic,
+    synthetic_anisotropic,
+    utia_folder,
+)
 from npfm.datasets.names import MERL_NAMES, select
 from npfm.errors import NpfmError
 from npfm.reflectance import grids
@@ -17,6 +24,7 @@ from npfm.run.names import check_names
 
 #: Names of the materials that the project makes, by the kind of dataset.
 MADE = {
+    "formula": analytic.materials,
     "synthetic": synthetic.materials,
     "synthetic-anisotropic": synthetic_anisotropic.materials,
 }

@@ -72,6 +72,18 @@ class Plan(Study):
         return self.study.materials
 
     @property
+    def formulas(self) -> tuple[str, ...]:
+        """Formulas that are measured as materials are, but those that materials are called by."""
+        asked = self.run.config["importance"]["formulas"]
+        return tuple(name for name in asked if name not in self.materials)
+
+    def table(self, material: str) -> str:
+        """The table of a material, or of a formula."""
+        if material in self.formulas:
+            return f"{self.folder}/formulas/{material}.binary"
+        return self.run.table(material)
+
+    @property
     def lights(self) -> list[str]:
         """Names of the lights."""
         asked = self.run.config["importance"].get("lights")

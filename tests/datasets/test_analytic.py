@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from npfm.__main__ import main
 from npfm.datasets.analytic import FORMULAS, poulin_fournier, ward
+from npfm.reflectance.angles import directions
+from npfm.reflectance.half_difference import MERL
+from npfm.reflectance.table_files import read_table
 
 #: Those that are the same however the surface is turned.
 ISOTROPIC = ("cook-torrance", "hapke-lommel", "ward-isotropic")
@@ -90,3 +94,21 @@ def test_cylinders_hide_their_neighbours_across_and_not_along():
     across, along = (poulin_fournier(z, unit([80.0], [a]))[0, 0] for a in (90, 0))
     # Along, the half vector leaves the plane across the cylinders: all normals dim together.
     assert across != pytest.approx(along, rel=0.1)
+
+
+def test_a_table_has_the_formula_at_the_middles_of_its_cells(tmp_path):
+    made = tmp_path / "rough-metal.binary"
+    assert main(["material", "--formula", "cook-torrance", "-o", str(made)]) == 0
+    table = read_table(made)
+    cell = 10, 30, 45
+    light, view = directions(MERL.theta_h[10], MERL.theta_d[30], MERL.phi_d[45])
+    expected = FORMULAS["cook-torrance"](light[None], view[None])[:, 0]
+    np.testing.assert_allclose(table.values[(slice(None), *cell)], expected, rtol=1e-6)
+
+
+def test_a_formula_that_is_no_isotropic_one_is_told_in_one_line(capsys, tmp_path):
+    for name, hint in (("cook-torance", "cook-torrance"), ("ward", "ward-isotropic")):
+        assert main(["material", "--formula", name, "-o", str(tmp_path / "a.binary")]) == 1
+        told = capsys.readouterr().err
+        assert f"no isotropic formula '{name}'" in told and hint in told
+        assert told.count("\n") == 1

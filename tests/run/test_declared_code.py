@@ -47,6 +47,7 @@ SHARED = [f"npfm.rendering.sampling.{name}" for name in ("light", "half_vector")
 #: By what a rule names: the modules that are chosen, and a call, in the folder of a run.
 CALLS = [
     ("material synthetic", [], "material --synthetic chalk -o x.binary"),
+    ("material formula", [], "material --formula hapke-lommel -o x.binary"),
     ("material neural", [], "material --neural nylon --from {archive} -o x.binary"),
     ("material merl", [], "material --merl chalk --from materials -o x.binary"),
     (

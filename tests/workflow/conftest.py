@@ -51,6 +51,7 @@ CONFIG = {
     },
     "importance": {
         "materials": ["chalk", "no-such"],
+        "formulas": [],
         "resolution": 6,
         "points": 16,
         "samples": [4, 8],

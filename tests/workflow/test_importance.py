@@ -58,6 +58,15 @@ def test_lights_and_materials_are_those_that_are_asked_for(fresh):
     assert "importance/fits/power-iteration/pink-felt.npz" in made
 
 
+def test_formulas_are_measured_beside_the_materials(fresh):
+    fresh.configure(importance=fresh.config["importance"] | {"formulas": ["cook-torrance"]})
+    made = fresh.planned("importance")
+    assert "importance/formulas/cook-torrance.binary" in made
+    assert "importance/fits/lafortune/cook-torrance.npz" in made
+    assert "importance/cathedral/cook-torrance.csv" in made
+    assert "importance/cathedral/chalk.csv" in made
+
+
 def test_a_light_that_is_not_there_is_told_in_one_line(fresh):
     fresh.configure(importance=fresh.config["importance"] | {"lights": ["grotto"]})
     run = fresh.snakemake("importance", "--dry-run")

@@ -9,9 +9,26 @@ localrules:
     importance_figure,
 
 
+use rule npfm as importance_formula with:
+    output:
+        f"{IMPORTANCE.folder}/formulas/{{formula}}.binary",
+    log:
+        f"{OUT}/logs/importance/formulas/{{formula}}.log",
+    wildcard_constraints:
+        formula=any_of(IMPORTANCE.formulas),
+    resources:
+        mem_mb=800,
+        runtime=10,
+    params:
+        verb="material",
+        code=command_code("material formula"),
+        files=lambda wildcards, output: ["-o", *output],
+        options=lambda wildcards: ["--formula", wildcards.formula],
+
+
 use rule fit as importance_fit with:
     input:
-        table=rules.material.output,
+        table=lambda wildcards: [IMPORTANCE.table(wildcards.material)],
     output:
         fit=f"{IMPORTANCE.folder}/fits/{{variant}}/{{material}}.npz",
         record=f"{IMPORTANCE.folder}/fits/{{variant}}/{{material}}.json",
@@ -24,7 +41,7 @@ use rule fit as importance_fit with:
 
 use rule npfm as importance_measure with:
     input:
-        table=rules.material.output,
+        table=lambda wildcards: [IMPORTANCE.table(wildcards.material)],
         light=rules.light.output,
         fits=lambda wildcards: IMPORTANCE.fits(wildcards.material),
     output:
@@ -34,7 +51,7 @@ use rule npfm as importance_measure with:
         f"{OUT}/logs/importance/{{light}}/{{material}}.log",
     wildcard_constraints:
         light=any_of(IMPORTANCE.lights),
-        material=any_of(IMPORTANCE.materials),
+        material=any_of([*IMPORTANCE.materials, *IMPORTANCE.formulas]),
     resources:
         mem_mb=1500,
         runtime=20,
@@ -56,7 +73,7 @@ use rule npfm as importance_table with:
         expand(
             rules.importance_measure.output.table,
             light=IMPORTANCE.lights,
-            material=IMPORTANCE.materials,
+            material=[*IMPORTANCE.materials, *IMPORTANCE.formulas],
         ),
     output:
         report(

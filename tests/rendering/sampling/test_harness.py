@@ -168,14 +168,23 @@ def test_samples_follow_the_density_by_chi_square(strategy, at):
     assert chi2.sf(statistic, len(expected)) > 1e-4
 
 
-def test_mean_of_samples_is_the_integral(strategy, at):
-    light, measure = above_horizon(at)
+def test_means_of_samples_scatter_about_the_integral_as_their_errors_say(strategy):
+    """As z = (mean - integral) / error, of 50 means at each of four views."""
+    z = np.stack([z_of_means(strategy, point(view), 50) for view in VIEWS])
+    assert 0.8 <= np.sqrt((z**2).mean()) <= 1.3
+    # The mean of all samples of a view, over its own error.
+    assert np.abs(z.mean(axis=1) * np.sqrt(50)).max() < 4
+
+
+def z_of_means(strategy, at, count):
+    """Means of 100 000 samples in all, off the integral, over their standard error, (count,)."""
+    light, measure = above_horizon(at, 1 << 19)
     integral = reflected(light, at) @ measure
     samples, density = drawn(strategy, at, 100_000, seed=2)
     counts = density > 0
     values = np.where(counts, reflected(samples, at) / np.where(counts, density, 1), 0)
-    error = values.std() / np.sqrt(len(values))
-    assert values.mean() == pytest.approx(integral, abs=4 * error + 2e-3 * integral)
+    error = values.std() / np.sqrt(len(values) / count)
+    return (values.reshape(count, -1).mean(axis=1) - integral) / error
 
 
 def test_no_light_is_reflected_where_the_density_is_zero(strategy, at):
