@@ -38,6 +38,7 @@ CALLS = {
     "export --to merl": ("{made}/chalk.npz -o {out}/a.binary", "a.binary"),
     "export --to csv": ("{made}/fits/independent-g/chalk.npz -o {out}/a.csv", "a.csv"),
     "export --to texture": ("{made}/fits/independent-g/chalk.npz -o {out}/a.exr", "a.exr"),
+    "export --to glsl": ("{made}/fits/independent-g/chalk.npz -o {out}/a.glsl", "a.glsl"),
     "light": ("{made}/grove.exr --layout lat-long --height 4 -o {out}/a.exr", "a.exr"),
     "scene": (
         "--light {made}/grove.exr --objects sphere --resolution 4 --samples 16"
