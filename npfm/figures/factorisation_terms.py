@@ -1,8 +1,11 @@
 """Figure 6 of Lawrence et al. 2004: the error of factors by the number of terms."""
 
 import argparse
+from itertools import cycle
 
+import numpy as np
 import pandas as pd
+from matplotlib import colormaps
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -11,6 +14,7 @@ from npfm.figures import style
 
 HEIGHT = 2.4  # inches
 NUMBERS = ("outer", "inner", "error", "rms")
+MARKERS = "osD^v"
 PANELS = {"rms": "root mean square error", "error": "mean absolute error"}
 
 
@@ -32,19 +36,14 @@ def draw(terms: pd.DataFrame) -> Figure:
     terms : DataFrame
         As `npfm.evaluation.factorisation.by_terms` makes it.
     """
-    looks = style.looks([f"J = {J:g}" for J in terms["outer"].unique()])
+    # From dark to bright in their order, which lines so close are told apart by.
+    shades = colormaps["viridis"](np.linspace(0, 0.85, terms["outer"].nunique()))
     with style.context():
         figure = Figure(figsize=(style.PAGE_WIDTH, HEIGHT), layout="constrained")
         for ax, (column, what) in zip(figure.subplots(1, 2), PANELS.items(), strict=True):
-            for J, line in terms.groupby("outer", sort=False):
-                look = looks[f"J = {J:g}"]
-                ax.plot(
-                    line["inner"],
-                    line[column],
-                    color=look.color,
-                    marker=look.marker,
-                    label=f"J = {J:g}",
-                )
+            lines = terms.groupby("outer", sort=False)
+            for (J, line), shade, marker in zip(lines, shades, cycle(MARKERS), strict=False):
+                ax.plot(line["inner"], line[column], color=shade, marker=marker, label=f"J = {J:g}")
             ax.set_xlabel("terms K of the second factorisation")
             ax.set_ylabel(f"{what},\nshare of the mean")
             ax.set_ylim(bottom=0)
