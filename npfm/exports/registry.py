@@ -7,7 +7,7 @@ whoever writes a format names the format's own module as an entry.
 
 import importlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -42,6 +42,8 @@ class Format:
         Whether it holds several materials.
     grids : tuple of str
         Kinds of the grids that it can say.
+    settings : mapping of str to str
+        Whole numbers that `write` takes as keywords, each with what it means.
     """
 
     module: str
@@ -51,6 +53,7 @@ class Format:
     tables: bool = False
     many: bool = False
     grids: tuple[str, ...] = (HalfDifference.kind,)
+    settings: Mapping[str, str] = field(default_factory=dict)
 
     def load(self) -> ModuleType:
         """Import the format: its `KIND` and `write`.
@@ -76,7 +79,7 @@ def formats() -> Mapping[str, Format]:
         If a file of the folder cannot be parsed, a declaration in it is no literal, or two files
         have the same name for their format.
     """
-    known = {field.name for field in fields(Format)} - {"module"}
+    known = {part.name for part in fields(Format)} - {"module"}
     return {
         name: Format(f"npfm.exports.{path.stem}", **constants)
         for name, (path, constants) in named_files(FOLDER, known, "format").items()

@@ -36,6 +36,7 @@ CALLS = {
     "tabulate": ("{made}/chalk.npz -o {out}/a.binary", "a.binary"),
     "texture": ("{made}/fits/independent-g/chalk.npz -o {out}/a.exr", "a.exr"),
     "export --to merl": ("{made}/chalk.npz -o {out}/a.binary", "a.binary"),
+    "export --to bsdf": ("{made}/chalk.npz --views 4 --size 4 -o {out}/a.bsdf", "a.bsdf"),
     "export --to csv": ("{made}/fits/independent-g/chalk.npz -o {out}/a.csv", "a.csv"),
     "export --to texture": ("{made}/fits/independent-g/chalk.npz -o {out}/a.exr", "a.exr"),
     "export --to glsl": ("{made}/fits/independent-g/chalk.npz -o {out}/a.glsl", "a.glsl"),

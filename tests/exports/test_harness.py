@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from glossy import glossy
 
 from npfm.__main__ import main
 from npfm.exports import registry
@@ -11,22 +12,13 @@ from npfm.fitting.objective import Objective
 from npfm.fitting.solvers.choice import chosen
 from npfm.fitting.solvers.problem import SolverSettings
 from npfm.models import ggx_fitted
-from npfm.reflectance.half_difference import MERL
 from npfm.reflectance.merl import write_binary
-from npfm.reflectance.table import INVALID, Table
+from npfm.reflectance.table import Table
 from npfm.reflectance.utia import write_bin
 
 FORMATS = sorted(registry.formats())
 #: What any format is tried with that does not name its models.
 ANY_MODEL = "ggx-fitted"
-
-
-def glossy():
-    """A lobe of 0.2 rad on a base, rising to grazing angles, of three colours."""
-    theta_h, theta_d = MERL.theta_h[:, None, None], MERL.theta_d[:, None]
-    lobe = np.exp(-((np.tan(theta_h) / 0.2) ** 2)) * (0.1 + 0.9 * (1 - np.cos(theta_d)) ** 5)
-    colour = np.array([1.0, 0.8, 0.3])[:, None, None, None]
-    return Table(np.where(MERL.above_horizon, 0.1 * colour + 3 * lobe * colour**2, INVALID))
 
 
 @pytest.fixture(scope="module")
