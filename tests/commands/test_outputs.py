@@ -38,6 +38,8 @@ CALLS = {
     "export --to merl": ("{made}/chalk.npz -o {out}/a.binary", "a.binary"),
     "export --to bsdf": ("{made}/chalk.npz --views 4 --size 4 -o {out}/a.bsdf", "a.bsdf"),
     "export --to csv": ("{made}/fits/independent-g/chalk.npz -o {out}/a.csv", "a.csv"),
+    "export --to gltf": ("{made}/lobe.npz -o {out}/a.gltf", "a.gltf"),
+    "export --to materialx": ("{made}/lobe.npz -o {out}/a.mtlx", "a.mtlx"),
     "export --to texture": ("{made}/fits/independent-g/chalk.npz -o {out}/a.exr", "a.exr"),
     "export --to glsl": ("{made}/fits/independent-g/chalk.npz -o {out}/a.glsl", "a.glsl"),
     "light": ("{made}/grove.exr --layout lat-long --height 4 -o {out}/a.exr", "a.exr"),
@@ -168,6 +170,9 @@ def folder(tmp_path_factory, table, light_file):
     tables.write(made / "compared.csv", pd.DataFrame(rows, columns=FITS))
     rows = pd.DataFrame(columns=stability.COLUMNS)
     tables.write(made / "stability.csv", rows)
+    shapes = {"rho_d": 3, "rho_s": 3, "alpha": 1, "f0": 1}
+    lobe = {name: np.full(count, 0.1, dtype=np.float32) for name, count in shapes.items()}
+    fits.save(made / "lobe.npz", Fit("ggx-fitted", lobe, MERL))
     fits.save(made / "ggx.npz", registry.model("ggx").fit(table, Objective(), None, 1))
     for verb in CALLS:
         assert main(words(verb, folder, folder / verb.replace(" ", "-"))) == 0, verb
