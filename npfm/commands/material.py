@@ -10,6 +10,7 @@ from npfm.declarations import NAMES_ARE, is_name
 from npfm.errors import NpfmError
 from npfm.reflectance import grids
 from npfm.reflectance.directional import UTIA, Directional
+from npfm.reflectance.table import Table
 from npfm.reflectance.table_files import KINDS, read_table, write_table
 from npfm.storage.files import Kind, replacing
 
@@ -27,6 +28,7 @@ CODE_OF_KIND = {
     "neural": ("npfm.datasets.neural",),
     "merl": ("npfm.datasets.merl_folder",),
     "utia": ("npfm.datasets.utia_folder",),
+    "rgl": ("npfm.datasets.rgl_folder",),
     "synthetic-anisotropic": ("npfm.datasets.synthetic_anisotropic",),
 }
 EXAMPLE = """\
@@ -37,6 +39,7 @@ examples:
   python -m npfm material --synthetic-anisotropic brushed-steel -o steel.bin
   python -m npfm material --formula cook-torrance -o rough-metal.binary
   python -m npfm material --utia m002_carpet --from utia -o carpet.bin
+  python -m npfm material --rgl chm_orange_rgb --from rgl -o orange.binary
 --merl checks brdfs/chrome.binary and links to it, as --utia does; with --url, a file that is
 missing there is downloaded first. Tables are BRDFs in 1/sr, in .binary files in MERL's own scaling.
 """
@@ -61,6 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     kind.add_argument("--neural", metavar="NAME", help="a material of the neural archive")
     kind.add_argument("--merl", metavar="NAME", help="a material of a folder of .binary files")
     kind.add_argument("--utia", metavar="NAME", help="a material of a folder of .bin files")
+    kind.add_argument("--rgl", metavar="NAME", help="a material of a folder of RGL .bsdf files")
     kind.add_argument(
         "--synthetic-anisotropic",
         metavar="NAME",
@@ -73,8 +77,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--shape",
-        help="of --synthetic-anisotropic: how many theta_i, phi_i, theta_o and phi_o "
-        "(default: 6x48x6x48)",
+        help="of --synthetic-anisotropic, and of --rgl where the material is anisotropic: how many "
+        "theta_i, phi_i, theta_o and phi_o (default: 6x48x6x48)",
     )
     parser.add_argument(
         "-o",
@@ -88,10 +92,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Write the table, or link to it."""
     made = arguments.synthetic or arguments.synthetic_anisotropic or arguments.formula
-    if arguments.shape and not arguments.synthetic_anisotropic:
-        raise NpfmError("--shape goes with --synthetic-anisotropic; leave it out")
+    if arguments.shape and not (arguments.synthetic_anisotropic or arguments.rgl):
+        raise NpfmError("--shape goes with --synthetic-anisotropic and --rgl; leave it out")
     if not made and not arguments.source:
-        raise NpfmError("--neural, --merl and --utia need --from, the archive or the folder")
+        raise NpfmError("--neural, --merl, --utia and --rgl need --from, the archive or the folder")
     if arguments.synthetic:
         from npfm.datasets import synthetic
 
@@ -99,8 +103,7 @@ def run(arguments: argparse.Namespace) -> None:
     elif arguments.synthetic_anisotropic:
         from npfm.datasets import synthetic_anisotropic
 
-        grid = grids.parse([UTIA.kind, *([arguments.shape] if arguments.shape else [])])
-        assert isinstance(grid, Directional)  # as its kind says
+        grid = _directional(arguments.shape)
         write_table(arguments.output, synthetic_anisotropic.load(made, arguments.seed, grid))
     elif arguments.formula:
         from npfm.datasets import analytic
@@ -110,8 +113,29 @@ def run(arguments: argparse.Namespace) -> None:
         from npfm.datasets import neural
 
         write_table(arguments.output, neural.load(arguments.source, arguments.neural))
+    elif arguments.rgl:
+        write_table(arguments.output, _tabulated(arguments))
     else:
         _link(arguments.output, _measured(arguments))
+
+
+def _directional(shape: str | None) -> Directional:
+    """Return the directional grid of a shape, UTIA's if nothing is said."""
+    grid = grids.parse([UTIA.kind, *([shape] if shape else [])])
+    assert isinstance(grid, Directional)  # as its kind says
+    return grid
+
+
+def _tabulated(arguments: argparse.Namespace) -> Table:
+    """Table of a material of the RGL database."""
+    from npfm.datasets import rgl_folder
+
+    if not is_name(arguments.rgl):
+        raise NpfmError(f"--rgl {arguments.rgl!r}: {NAMES_ARE}; rename the file")
+    grid = _directional(arguments.shape)
+    if arguments.shape and not rgl_folder.anisotropic(arguments.source, arguments.rgl):
+        raise NpfmError(f"--shape: {arguments.rgl} is isotropic; leave it out")
+    return rgl_folder.load(arguments.source, arguments.rgl, grid)
 
 
 def _measured(arguments: argparse.Namespace) -> Path:

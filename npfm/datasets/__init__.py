@@ -1,7 +1,7 @@
 """Sources of measured tables, one module each.
 
 They are `synthetic`, `synthetic_anisotropic`, `merl_folder` (key ``merl``), `utia_folder` (key
-``utia``) and `neural`. Each has ``materials(...)``, the sorted names it offers. Those that make
-tables have ``load``, which gives one; the folders have ``path``, since their tables are files
-already.
+``utia``), `rgl_folder` (key ``rgl``) and `neural`. Each has ``materials(...)``, the sorted names it
+offers. Those that make tables have ``load``, which gives
+one; the folders of MERL and UTIA have ``path``, since their tables are files already.
 """

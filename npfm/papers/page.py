@@ -42,13 +42,21 @@ TABLES = {
         "not hold on them."
     ),
     "utia": "The tables are those of the files that the run names, taken for the UTIA database's.",
+    "rgl": (
+        "**The materials are not the paper's.** The tables are made of the files that the run "
+        "names, taken for measurements of the RGL database (Dupuy and Jakob 2018)."
+    ),
+    "rgl-anisotropic": (
+        "**The materials are not the papers'.** The tables are made of the files that the run "
+        "names, taken for measurements of the RGL database (Dupuy and Jakob 2018)."
+    ),
     "synthetic-anisotropic": (
         "**The materials are made by formulas.** The UTIA database (Filip and Vavra 2014), of "
         "which the papers speak, cannot be had here; a run of its files puts their claims to it."
     ),
 }
 #: The kinds whose materials are anisotropic: claims about isotropic ones are not of them.
-ANISOTROPIC = ("utia", "synthetic-anisotropic")
+ANISOTROPIC = ("utia", "rgl-anisotropic", "synthetic-anisotropic")
 
 
 def write(

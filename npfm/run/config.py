@@ -123,14 +123,22 @@ class Run:
         path = self.config.get("perceptual")
         return [self.user_file(path)] if path else []
 
+    @property
+    def dataset_option(self) -> list[str]:
+        """Argument of ``npfm reproduction`` for where the tables are from."""
+        kind = str(self.config["dataset"]["kind"])
+        turned = "-anisotropic" if kind == "rgl" and self.grid.anisotropic else ""
+        return ["--dataset", f"{kind}{turned}"]
+
     def material_inputs(self, name: str) -> list[str]:
         """Files that a material is made from."""
         dataset = self.config["dataset"]
         match dataset["kind"]:
             case "neural":
                 return [as_input(self.user_file(dataset["path"]))]
-            case "utia":
-                return [as_input(str(Path(self.user_file(dataset["path"])) / f"{name}.bin"))]
+            case "utia" | "rgl" as kind:
+                end = {"utia": ".bin", "rgl": ".bsdf"}[kind]
+                return [as_input(str(Path(self.user_file(dataset["path"])) / f"{name}{end}"))]
             case "merl":
                 # With a url, the same before and after a download; whoever reads the table sees a
                 # change of the file through the link.
@@ -142,13 +150,13 @@ class Run:
     def material_options(self, name: str) -> list[str]:
         """Arguments of ``npfm material`` for a material."""
         dataset = self.config["dataset"]
+        shape = ["--shape", dataset["shape"]] if "shape" in dataset else []
         if dataset["kind"] in datasets.MADE:
-            keys = [key for key in ("seed", "shape") if key in dataset]
-            words = [word for key in keys for word in (f"--{key}", f"{dataset[key]}")]
-            return [f"--{dataset['kind']}", name, *words]
+            seed = ["--seed", f"{dataset['seed']}"] if "seed" in dataset else []
+            return [f"--{dataset['kind']}", name, *seed, *shape]
         url = ["--url", dataset["url"]] if "url" in dataset else []
         path = path_word(self.user_file(dataset["path"]))
-        return [f"--{dataset['kind']}", name, "--from", path, *url]
+        return [f"--{dataset['kind']}", name, "--from", path, *url, *shape]
 
     def material_code(self) -> str:
         """Digest of the code that makes materials."""

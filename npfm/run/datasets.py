@@ -9,6 +9,7 @@ from npfm.datasets import (
     analytic,
     merl_folder,
     neural,
+    rgl_folder,
     synthetic,
     synthetic_anisotropic,
     utia_folder,
@@ -28,6 +29,11 @@ MADE = {
     "synthetic": synthetic.materials,
     "synthetic-anisotropic": synthetic_anisotropic.materials,
 }
+
+#: Names of the materials in a folder, by the kind of dataset.
+FOLDERS = {"rgl": rgl_folder.materials, "utia": utia_folder.materials}
+#: Kinds whose directional tables have a shape that may be chosen.
+SHAPED = ("synthetic-anisotropic", "rgl")
 
 
 def chosen(config: Mapping[str, Any]) -> tuple[str, ...]:
@@ -52,33 +58,47 @@ def grid(config: Mapping[str, Any], materials: Iterable[str]) -> Grid:
         If they are on several, or the shape of the grid is none.
     """
     dataset = config["dataset"]
-    if "shape" in dataset and dataset["kind"] != "synthetic-anisotropic":
+    if "shape" in dataset and dataset["kind"] not in SHAPED:
         raise NpfmError(f"config: dataset/shape: kind '{dataset['kind']}' has none; leave it out")
+    shaped = _shaped(dataset)
     if dataset["kind"] == "synthetic-anisotropic":
-        try:
-            return grids.parse([UTIA.kind, *([dataset["shape"]] if "shape" in dataset else [])])
-        except NpfmError as error:
-            raise NpfmError(f"config: dataset/shape: {error}") from error
-    if dataset["kind"] != "utia":
+        return shaped
+    if dataset["kind"] not in ("utia", "rgl"):
         return MERL
+    folder = Path(config["data"]) / dataset["path"]
     found: dict[Grid, str] = {}
     for name in materials:
         # A file that is no table is told by the job that reads it; the others go on.
         with suppress(NpfmError):
-            path = utia_folder.path(Path(config["data"]) / dataset["path"], name)
-            found.setdefault(check_bin(path), name)
+            if dataset["kind"] == "utia":
+                measured: Grid = check_bin(utia_folder.path(folder, name))
+            else:
+                measured = shaped if rgl_folder.anisotropic(folder, name) else MERL
+            found.setdefault(measured, name)
     if len(found) > 1:
         (one, first), (other, second) = list(found.items())[:2]
         raise NpfmError(
             f"config: dataset/materials: {first} is on the grid {one.name} and {second} on "
             f"{other.name}; choose materials that are on one"
         )
-    return next(iter(found), UTIA)
+    if "shape" in dataset and shaped not in found:
+        raise NpfmError("config: dataset/shape: the materials are isotropic; leave it out")
+    return next(iter(found), UTIA if dataset["kind"] == "utia" else MERL)
+
+
+def _shaped(dataset: Mapping[str, Any]) -> Grid:
+    """Return the directional grid of the shape that a dataset names, or the usual one."""
+    try:
+        return grids.parse([UTIA.kind, *([dataset["shape"]] if "shape" in dataset else [])])
+    except NpfmError as error:
+        raise NpfmError(f"config: dataset/shape: {error}") from error
 
 
 def _check_materials(names: Iterable[str], dataset: Mapping[str, Any], folder: str) -> None:
     """Refuse names of materials that cannot be names of files."""
-    suffix = {"merl": ".binary", "utia": ".bin", "neural": ".h5"}.get(dataset["kind"], "")
+    suffix = {"merl": ".binary", "utia": ".bin", "rgl": ".bsdf", "neural": ".h5"}.get(
+        dataset["kind"], ""
+    )
     source = Path(folder) / dataset.get("path", "")
     for name in names:
         check_names([name], "material", f"{f'{name}{suffix}'!r} in {source}")
@@ -100,8 +120,8 @@ def available(config: Mapping[str, Any]) -> list[str]:
     path = Path(config["data"]) / dataset["path"]
     if dataset["kind"] == "neural":
         return neural.materials(path)
-    if dataset["kind"] == "utia":
-        return utia_folder.materials(path)
+    if dataset["kind"] in FOLDERS:
+        return FOLDERS[dataset["kind"]](path)
     if "url" in dataset:
         here = merl_folder.materials(path) if path.is_dir() else []
         return sorted({*MERL_NAMES, *here})

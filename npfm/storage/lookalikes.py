@@ -22,6 +22,10 @@ PAGE = Kind("an HTML page", "download the file itself, not the page about it")
 POINTER = Kind("a git-lfs pointer", "fetch what it stands for with 'git lfs pull'")
 PLY = Kind("a PLY mesh", "give it where a mesh is asked for")
 JSON = Kind("a JSON file", "download the file itself")
+TENSORS = Kind(
+    "a tensor file of the RGL database (.bsdf)",
+    "make a table of it with 'npfm material --rgl', or give its folder as a dataset of kind rgl",
+)
 _COMPRESSED = "decompress it and give the file that is in it"
 _PICTURE = "give it where a light or a picture is asked for"
 
@@ -35,7 +39,7 @@ _MAGIC = {
     b"(\xb5/\xfd": Kind("a zstd archive", _COMPRESSED),
     b"7z\xbc\xaf\x27\x1c": Kind("a 7z archive", _COMPRESSED),
     b"Rar!": Kind("a rar archive", _COMPRESSED),
-    b"tensor_file\0": Kind("a tensor file of the RGL database (.bsdf)", "convert it first"),
+    b"tensor_file\0": TENSORS,
     b"\x93NUMPY": NPY,
     b"\x89HDF\r\n\x1a\n": Kind("an HDF5 file", "convert it first"),
     b"ply\n": PLY,

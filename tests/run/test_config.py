@@ -7,12 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from bsdf import fields, tensor_file
 
 from npfm.datasets import synthetic_anisotropic
 from npfm.declarations import NAMES_ARE
 from npfm.errors import NpfmError
 from npfm.fitting import registry
 from npfm.reflectance.directional import UTIA, Directional
+from npfm.reflectance.half_difference import MERL
 from npfm.reflectance.table import Table
 from npfm.reflectance.utia import write_bin
 from npfm.rendering.lights.generated import LIGHTS
@@ -395,3 +397,43 @@ def test_a_damaged_file_of_utia_is_left_to_the_job_that_reads_it(brushed, tmp_pa
     (tmp_path / "utia" / "cut.bin").write_bytes(b"cut off")
     run = check(directional(dataset=dataset, data=str(tmp_path)))
     assert (run.materials, run.grid) == (("cut", "wood"), Directional(4, 8, 4, 8))
+
+
+def bsdfs(folder, **azimuths):
+    (folder / "rgl").mkdir()
+    for name, phi_i in azimuths.items():
+        content = tensor_file(fields(np.random.default_rng(1), phi_i=phi_i))
+        (folder / "rgl" / f"{name}.bsdf").write_bytes(content)
+    return {"kind": "rgl", "path": "rgl"}
+
+
+ISOTROPIC, TURNED = [0.0], np.linspace(-np.pi, 0, 4)
+
+
+def test_isotropic_files_of_rgl_are_on_the_merl_grid(tmp_path):
+    dataset = bsdfs(tmp_path, paint=ISOTROPIC, vinyl=ISOTROPIC) | {"materials": ["*"]}
+    (tmp_path / "rgl" / "cut.bsdf").write_bytes(b"cut off")
+    run = check(configured(dataset=dataset, data=str(tmp_path), variants=["naive"]))
+    assert (run.materials, run.grid) == (("cut", "paint", "vinyl"), MERL)
+    assert run.table("paint") == "results/default/materials/paint.binary"
+    assert run.material_inputs("paint") == [str(tmp_path / "rgl" / "paint.bsdf")]
+    assert run.material_options("paint") == ["--rgl", "paint", "--from", str(tmp_path / "rgl")]
+    assert run.dataset_option == ["--dataset", "rgl"]
+    with pytest.raises(NpfmError, match="dataset/shape: the materials are isotropic; leave it out"):
+        check(configured(dataset=dataset | {"shape": "3x8x3x8"}, data=str(tmp_path)))
+
+
+def test_anisotropic_files_of_rgl_are_on_a_directional_one(brushed, tmp_path):
+    dataset = bsdfs(tmp_path, satin=TURNED)
+    run = check(directional(dataset=dataset | {"shape": "3x8x3x8"}, data=str(tmp_path)))
+    assert run.grid == Directional(3, 8, 3, 8)
+    assert run.material_options("satin")[-2:] == ["--shape", "3x8x3x8"]
+    assert run.dataset_option == ["--dataset", "rgl-anisotropic"]
+    assert check(directional(dataset=dataset, data=str(tmp_path))).grid == UTIA
+
+
+def test_a_run_of_rgl_files_has_one_grid(brushed, tmp_path):
+    dataset = bsdfs(tmp_path, satin=TURNED, paint=ISOTROPIC)
+    said = "paint is on the grid half-difference 90x90x180 and satin on directional 6x48x6x48"
+    with pytest.raises(NpfmError, match=said):
+        check(directional(dataset=dataset, data=str(tmp_path)))

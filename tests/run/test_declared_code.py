@@ -6,7 +6,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from bsdf import fields, tensor_file
 
 from npfm.__main__ import main
 from npfm.fitting import registry
@@ -56,6 +58,7 @@ CALLS = [
         "material --synthetic-anisotropic satin -o x.bin",
     ),
     ("material utia", [], "material --utia satin --from . -o links/x.bin"),
+    ("material rgl", [], "material --rgl paint --from . -o x.binary"),
     ("fit", models("bivariate"), "fit chalk.binary --model bivariate -o x.npz"),
     (
         "fit",
@@ -214,6 +217,7 @@ def folder(tmp_path_factory, light_file):
         assert main(call.split()) == 0
     shutil.copy(folder / "materials/chalk.binary", folder)
     (folder / "x.fit").write_text(FIT)
+    (folder / "paint.bsdf").write_bytes(tensor_file(fields(np.random.default_rng(1))))
     columns = "scene,material,variant,metric,value,unit,better"
     rows = (f"all,{name},ggx,logarithm,1,1,lower" for name in ("chalk", "slate"))
     (folder / "quality.csv").write_text("\n".join([columns, *rows, ""]))

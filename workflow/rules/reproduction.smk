@@ -80,4 +80,4 @@ use rule npfm as reproduction with:
             *option("--figures", input.figures),
             *("-o", *output),
         ],
-        options=["--run", OUT, "--dataset", RUN.config["dataset"]["kind"]],
+        options=["--run", OUT, *RUN.dataset_option],
