@@ -86,6 +86,12 @@ class DirectionalLobesProblem(LobesProblem):
         """Values of each channel's F in each row, shape (channels, rows)."""
         return self.reading.F_at(F)
 
+    def sums_over_F(self, values: Array) -> Array:
+        """Sums of values of the rows, as much as each reads of a node of F."""
+        at, sums = self.reading, np.zeros(self.sizes[1])
+        np.add.at(sums, at.F_nodes, at.F_taps * values[:, None])
+        return sums
+
     def filled(self, lobe: Array, seen: NDArray[np.bool_]) -> Array:
         """A D or a G scaled to maximum 1 and clamped, unseen components from their neighbours."""
         if not seen.any():
@@ -127,10 +133,10 @@ class DirectionalLobesProblem(LobesProblem):
         blurred[0] = blurred[0].mean()
         return sphere.gathered(blurred)
 
-    def derivatives(self, state: State) -> tuple[Array, Array]:
-        """Gradient and Gauss-Newton matrix in the logarithms of D, F, G and rho_s, then rho_d."""
+    def derivatives(self, state: State) -> tuple[Array, Array, Array]:
+        """Gradient, Gauss-Newton matrix, and derivatives of the means, as of `LobesProblem`."""
         at = self.reading
-        return compiled().equations_of_pairs(
+        gradient, matrix = compiled().equations_of_pairs(
             self.weight[..., 0],
             self.weighted_value[..., 0],
             at.D_nodes,
@@ -142,6 +148,8 @@ class DirectionalLobesProblem(LobesProblem):
             at.G.inverse_cosines[:, 0],
             *(state.D, state.F, state.G, state.rho_s, state.rho_d),
         )
+        # Beside the constant, a row has sums of w times derivatives of the model.
+        return gradient, matrix, matrix[-len(self.samples) :]
 
 
 def _filled(known: Array) -> Array:

@@ -95,6 +95,10 @@ class SharedLobesProblem(LobesProblem):
         """Values of each channel's F in each row, shape (channels, rows)."""
         return np.tile(F, (1, self.grid.theta_h_bins))
 
+    def sums_over_F(self, values: Array) -> Array:
+        """Sums of values of the rows over each bin of theta_d."""
+        return values.reshape(self.grid.shape[:2]).sum(0)
+
     def filled(self, lobe: Array, seen: NDArray[np.bool_]) -> Array:
         """A D or a G scaled to maximum 1 and clamped, unseen components interpolated."""
         return filled(lobe, seen, CLAMP)
@@ -121,14 +125,15 @@ class SharedLobesProblem(LobesProblem):
 
         return gaussian_filter1d(G, width, mode="nearest")
 
-    def derivatives(self, state: State) -> tuple[Array, Array]:
-        """Gradient and Gauss-Newton matrix in the logarithms of D, F, G and rho_s, then rho_d."""
+    def derivatives(self, state: State) -> tuple[Array, Array, Array]:
+        """Gradient, Gauss-Newton matrix, and derivatives of the means, as of `LobesProblem`."""
         at = state.D, state.F, state.G, state.rho_s, state.rho_d
         if self._matrix_problem is self:
-            return compiled().normal_equations(*self._arrays, *at)
+            gradient, matrix = compiled().normal_equations(*self._arrays, *at)
+            return gradient, matrix, matrix[-len(self.samples) :]
         gradient, diagonal = compiled().gradient_and_diagonal(*self._arrays, *at)
         _, matrix = compiled().normal_equations(*self._matrix_problem._arrays, *at)
-        return gradient, with_diagonal(matrix, diagonal)
+        return gradient, with_diagonal(matrix, diagonal), matrix[-len(self.samples) :]
 
     @cached_property
     def _matrix_problem(self) -> "SharedLobesProblem":

@@ -134,6 +134,10 @@ class LobesProblem(ABC):
         """Values of each channel's F in each row, shape (channels, rows)."""
 
     @abstractmethod
+    def sums_over_F(self, values: Array) -> Array:
+        """Sums of values of the rows, shape (rows,), over those that read each component of F."""
+
+    @abstractmethod
     def filled(self, lobe: Array, seen: NDArray[np.bool_]) -> Array:
         """A D or a G scaled to maximum 1 and clamped, unseen components from their neighbours."""
 
@@ -150,8 +154,12 @@ class LobesProblem(ABC):
         """Smooth a G by a Gaussian, whose width is in nodes."""
 
     @abstractmethod
-    def derivatives(self, state: State) -> tuple[Array, Array]:
-        """Gradient and Gauss-Newton matrix in the logarithms of D, F, G and rho_s, then rho_d."""
+    def derivatives(self, state: State) -> tuple[Array, Array, Array]:
+        """Gradient and Gauss-Newton matrix in the logarithms of D, F, G and rho_s, then rho_d.
+
+        And derivatives of each channel's mean, sum w rho, shape (channels, unknowns), in a unit of
+        their own.
+        """
 
     @abstractmethod
     def thinned(self, every: int) -> Self:
@@ -249,9 +257,10 @@ class LobesProblem(ABC):
     def normal_equations(self, state: State) -> tuple[Array, Array]:
         """Gradient and matrix in the logarithms of D, F, G and rho_s, then rho_d.
 
-        Without what is filled in, and without coefficients at their bound that would go beyond it.
+        Without what is filled in, and without coefficients at their bound that would go beyond it:
+        these keep their share while their lobe changes.
         """
-        gradient, matrix = self.derivatives(state)
+        gradient, matrix = self._tied(state, *self.derivatives(state))
         in_d, in_f, in_g = self.seen
         filled_in = ~np.concatenate(
             [np.tile(in_d, self.lobes), in_f.ravel(), np.tile(in_g, self.lobes)]
@@ -260,6 +269,37 @@ class LobesProblem(ABC):
         out = np.concatenate([filled_in, least & (gradient[filled_in.size :] > 0)])
         gradient[out], matrix[out], matrix[:, out] = 0.0, 0.0, 0.0
         return gradient, matrix
+
+    def _tied(
+        self, state: State, gradient: Array, matrix: Array, of_means: Array
+    ) -> tuple[Array, Array]:
+        """Equations in which each coefficient at its floor follows what that floor hangs on.
+
+        The floor of a lobe is a share over its mean, sum w B_l, so that the logarithm of the
+        coefficient changes by -s d(log of factors), s being derivatives of the logarithm of that
+        mean.
+        """
+        tied = np.argwhere(self._at_floor(state) & (state.rho_s > 0))
+        if not tied.size:
+            return gradient, matrix
+        nh, nd, nodes = self.sizes
+        count, lobes = len(self.samples), self.lobes
+        first_F, first_G = lobes * nh, lobes * nh + count * nd
+        first_s = first_G + lobes * nodes
+        D = self.D_at(state.D)
+        slopes = np.zeros((len(tied), len(gradient)))
+        for slope, (c, lobe) in zip(slopes, tied, strict=True):
+            of_mean = of_means[c]
+            in_d = slice(lobe * nh, (lobe + 1) * nh)
+            in_g = slice(first_G + lobe * nodes, first_G + (lobe + 1) * nodes)
+            whole = of_mean[first_s + c * lobes + lobe]
+            slope[in_d], slope[in_g] = of_mean[in_d] / whole, of_mean[in_g] / whole
+            per_F = state.F[c] * self.sums_over_F(D[:, lobe] * state.sums[0][c, :, lobe])
+            slope[first_F + c * nd : first_F + (c + 1) * nd] = per_F / per_F.sum()
+        own = first_s + tied[:, 0] * lobes + tied[:, 1]
+        crossed = slopes.T @ matrix[own]
+        matrix = matrix - crossed - crossed.T + slopes.T @ matrix[np.ix_(own, own)] @ slopes
+        return gradient - slopes.T @ gradient[own], matrix
 
     def _at_floor(self, state: State) -> NDArray[np.bool_]:
         matrix, _ = self._equations(state)

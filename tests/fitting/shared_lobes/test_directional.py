@@ -65,7 +65,7 @@ def test_normal_equations_are_the_derivatives(samples):
         factors = [np.exp(part).reshape(shape) for part, shape in parts]
         return model(problem, type(state)(*factors, x[ends[-1] :], state.sums))
 
-    gradient, matrix = problem.derivatives(state)
+    gradient, matrix, _ = problem.derivatives(state)
     rng = np.random.default_rng(3)
     directions = rng.standard_normal((3, x.size))
     moved = [(at(x + 1e-5 * v) - at(x - 1e-5 * v)) / 2e-5 for v in directions]
@@ -75,6 +75,24 @@ def test_normal_equations_are_the_derivatives(samples):
         assert gradient @ v == pytest.approx(np.vdot(residual, change), rel=1e-6, abs=1e-9)
         for u, other in zip(directions, moved, strict=True):
             assert v @ matrix @ u == pytest.approx(np.vdot(weight * change, other), rel=1e-6)
+
+
+def test_coefficients_at_their_floor_follow_it(samples):
+    """The gradient is that of the objective with the best coefficients, floors included."""
+    problem, rng = DirectionalLobesProblem(samples, 3, 0.02), np.random.default_rng(5)
+    state = problem.state(*(rng.uniform(0.3, 1, (3, n)) for n in problem.sizes))
+    floors = problem._at_floor(state)
+    assert floors.any() and not floors.all()
+    gradient, matrix = problem.normal_equations(state)
+    packed = problem.pack(state)
+    assert np.linalg.eigvalsh(matrix)[0] > -1e-9 * np.diag(matrix).max()
+    for _ in range(6):
+        v = np.where(np.diag(matrix)[: packed.size] > 0, rng.standard_normal(packed.size), 0)
+        ahead, behind = (
+            problem.objective(problem.unpack(packed + step * v)) for step in (1e-5, -1e-5)
+        )
+        found = 2 * gradient[: packed.size] @ v
+        assert found == pytest.approx((ahead - behind) / 2e-5, rel=1e-3)
 
 
 def updates(problem):

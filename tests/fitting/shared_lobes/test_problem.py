@@ -111,6 +111,27 @@ def test_gradient_and_diagonal_are_those_of_the_whole(samples, spline):
     np.testing.assert_allclose(diagonal, np.diag(matrix), rtol=1e-9, atol=1e-15)
 
 
+def test_coefficients_at_their_floor_follow_it(samples):
+    """The gradient is that of the objective with the best coefficients, floors included."""
+    problem, rng = SharedLobesProblem(samples, 3, floor=0.02), np.random.default_rng(5)
+    widths = np.array([[0.1], [0.3], [0.9]])
+    D = np.exp(-((problem.theta_h / widths) ** 2)) * rng.uniform(0.8, 1, (3, problem.sizes[0]))
+    F, G = (rng.uniform(0.8, 1, (3, n)) for n in problem.sizes[1:])
+    state = problem.state(D, F, G)
+    floors = problem._at_floor(state)
+    assert floors.any() and not floors.all()
+    gradient, matrix = problem.normal_equations(state)
+    packed = problem.pack(state)
+    assert np.linalg.eigvalsh(matrix)[0] > -1e-9 * np.diag(matrix).max()
+    for _ in range(6):
+        v = np.where(np.diag(matrix)[: packed.size] > 0, rng.standard_normal(packed.size), 0)
+        ahead, behind = (
+            problem.objective(problem.unpack(packed + step * v)) for step in (1e-5, -1e-5)
+        )
+        found = 2 * gradient[: packed.size] @ v
+        assert found == pytest.approx((ahead - behind) / 2e-5, rel=1e-3)
+
+
 def test_a_matrix_of_fewer_samples_leads_to_the_same_minimum(samples, monkeypatch):
     _, state = problem_and_state(samples)
     found = []
