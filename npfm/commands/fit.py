@@ -13,7 +13,7 @@ from npfm.errors import NpfmError, suggest
 from npfm.fitting import fits, registry
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import CELLS, Objective
-from npfm.fitting.registry import Model
+from npfm.fitting.registry import Model, Published
 from npfm.fitting.solvers.choice import SOLVERS, chosen
 from npfm.fitting.solvers.problem import SolverSettings
 from npfm.reflectance.table_files import read_table
@@ -75,7 +75,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         kind = {"choices": words} if words else {"type": int, "metavar": "N"}
         parser.add_argument(f"--{setting}", help=meaning, **kind)
     parser.add_argument(
-        "--published", metavar="FILE", help=".fit file that a model *-published reads"
+        "--published",
+        metavar="FILE",
+        help="file that a model *-published reads: .fit, or .npz of factors",
     )
     parser.add_argument(
         "--max-angle",
@@ -168,15 +170,12 @@ def _given(model: Model, arguments: argparse.Namespace) -> dict[str, Any]:
     return given
 
 
-def _parameters(arguments: argparse.Namespace, published: Mapping[str, Any]) -> Mapping[str, Any]:
+def _parameters(arguments: argparse.Namespace, published: Published) -> Mapping[str, Any]:
     """Return the published parameters of the material that the table is named after."""
-    from npfm.datasets import parameter_files  # which other models do not depend on
-
-    file = parameter_files.FitFile(**published)
     path = arguments.published
     if path is None:
-        raise NpfmError(f"'{arguments.model}' needs --published, the path of {file.name}")
-    name, found = Path(arguments.table).stem, parameter_files.read(path, file)
+        raise NpfmError(f"'{arguments.model}' needs --published, the path of {published.name}")
+    name, found = Path(arguments.table).stem, published.read(path)
     if name not in found:
-        raise NpfmError(f"{path}: no line for the material '{name}'; {suggest(name, found)}")
+        raise NpfmError(f"{path}: has no material '{name}'; {suggest(name, found)}")
     return found[name]

@@ -5,13 +5,13 @@ import re
 from pathlib import Path
 
 from npfm.commands.outputs import output
+from npfm.datasets import published_factors
 from npfm.errors import NpfmError
 from npfm.evaluation import quality, tables
 from npfm.exports.gallery import material, overview
 from npfm.exports.gallery.page import PAGE
 from npfm.exports.gallery.pixels import THUMBNAILS
 from npfm.figures import style
-from npfm.papers import authors_factors
 
 #: What a digest covers beside this file (`npfm.run.provenance`).
 CODE = (
@@ -20,7 +20,7 @@ CODE = (
     "npfm.evaluation.tables",
     "npfm.exports.gallery.material",
     "npfm.exports.gallery.overview",
-    "npfm.papers.authors_factors",
+    "npfm.datasets.published_factors",
 )
 EXAMPLE = """\
 examples:
@@ -68,7 +68,7 @@ def run(arguments: argparse.Namespace) -> str:
 
 
 def _material(a: argparse.Namespace) -> None:
-    published = authors_factors.read(a.published).get(a.material, {}) if a.published else {}
+    published = published_factors.read(a.published).get(a.material, {}) if a.published else {}
     material.write(
         a.output,
         a.run,

@@ -23,7 +23,7 @@ CODE_OF_KIND = {
     "published": (
         "npfm.commands.sources",
         "npfm.papers.authors_distance",
-        "npfm.papers.authors_factors",
+        "npfm.datasets.published_factors",
     ),
     "fidelity": ("npfm.commands.sources", "npfm.evaluation.fidelity"),
 }
@@ -122,9 +122,10 @@ def run(arguments: argparse.Namespace) -> None:
 def _published(a: argparse.Namespace) -> pd.DataFrame:
     """Compare the published factors of the materials that have some."""
     from npfm.commands.sources import table
-    from npfm.papers import authors_distance, authors_factors
+    from npfm.datasets import published_factors
+    from npfm.papers import authors_distance
 
-    published = authors_factors.read(a.factors)
+    published = published_factors.read(a.factors)
     found = [
         authors_distance.distance(
             name,

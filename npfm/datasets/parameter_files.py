@@ -7,17 +7,13 @@ comment.
 
 import ast
 import codecs
-import unicodedata
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass
-from difflib import get_close_matches
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.datasets.names import MERL_NAMES
 from npfm.errors import NpfmError, suggest
 from npfm.storage.lookalikes import mistaken
 
@@ -27,28 +23,21 @@ DIFFUSE = "diffuse albedo"
 ORIGIN = "get it from the folder fits of github.com/bsdfbenchmark/bbm"
 #: A line has some 300 bytes; 10 000 materials fit.
 MOST_BYTES = 2**24
-#: Names so similar (`difflib`, 0 to 1) are taken for one that is misspelt.
-NEARLY = 0.85
 
 
-@dataclass(frozen=True)
-class FitFile:
-    """What a file holds: its name, the model in its lines, and the shape of each parameter."""
-
-    name: str
-    model: str
-    shapes: Mapping[str, tuple[int, ...]]
-
-
-def read(path: str | Path, file: FitFile) -> dict[str, Parameters]:
+def read(
+    path: str | Path, *, model: str, shapes: Mapping[str, tuple[int, ...]]
+) -> dict[str, Parameters]:
     """Read a ``.fit`` file.
 
     Parameters
     ----------
     path : str or Path
         The file.
-    file : FitFile
-        What it should hold.
+    model : str
+        The model in its lines, as they name it.
+    shapes : mapping of str to tuple of int
+        Of each parameter of that model.
 
     Returns
     -------
@@ -69,7 +58,7 @@ def read(path: str | Path, file: FitFile) -> dict[str, Parameters]:
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         try:
-            name, parameters = _entry(line, file)
+            name, parameters = _entry(line, model, shapes)
             if name in seen:
                 raise ValueError(
                     f"'{name}' is in line {seen[name]} already; keep one of the two lines"
@@ -80,43 +69,6 @@ def read(path: str | Path, file: FitFile) -> dict[str, Parameters]:
     if not found:
         raise NpfmError(f"{path}: no material in it; {ORIGIN}")
     return found
-
-
-def check_names(path: str | Path, found: Collection[str], wanted: Collection[str]) -> None:
-    """Check that no material is missed for the spelling of its name alone.
-
-    A file may lack materials, and may have more than a run. What it must not have is a name that
-    nobody knows, of MERL or of the run, and that is nearly that of a material which it lacks.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file, for the message.
-    found : collection of str
-        Names in the file.
-    wanted : collection of str
-        Names of the run's materials.
-
-    Raises
-    ------
-    NpfmError
-        If there is such a name.
-    """
-    strangers = {_plain(name): name for name in found if name not in {*MERL_NAMES, *wanted}}
-    for name in sorted(set(wanted) - set(found)):
-        if near := get_close_matches(_plain(name), strangers, n=1, cutoff=NEARLY):
-            raise NpfmError(
-                f"{path}: has no '{name}' but '{strangers[near[0]]}', which is no material of MERL "
-                "or of this run; correct the name in the file"
-            )
-
-
-def _plain(name: str) -> str:
-    """A name without what a look does not tell apart: case, kinds of dashes and blanks."""
-    letters = unicodedata.normalize("NFKD", name).casefold().removesuffix(".binary")
-    seen = (c for c in letters if unicodedata.category(c) not in ("Cc", "Cf", "Mn"))
-    dashed = ("-" if c in "_. " or unicodedata.category(c) in ("Pd", "Zs") else c for c in seen)
-    return "".join(dashed)
 
 
 def _text(path: Path) -> str:
@@ -144,25 +96,25 @@ def _text(path: Path) -> str:
     return text
 
 
-def _entry(line: str, file: FitFile) -> tuple[str, Parameters]:
+def _entry(line: str, model: str, shapes: Mapping[str, tuple[int, ...]]) -> tuple[str, Parameters]:
     name, equals, text = (part.strip() for part in line.partition("="))
     try:
         aggregate: Any = ast.parse(text, mode="eval").body
         outer, arguments = aggregate.func.id, aggregate.args
         if aggregate.keywords:
             raise ValueError("an aggregate of more than its two parts")
-        (base, diffuse), (model, parameters) = (_call(node) for node in arguments)
+        (base, diffuse), (lobe, parameters) = (_call(node) for node in arguments)
     except (SyntaxError, ValueError, AttributeError, TypeError, MemoryError, RecursionError):
         outer = base = None
     if not name or not equals or (outer, base) != ("Aggregate", "Lambertian"):
         raise ValueError(
             "not of the form 'name = Aggregate(Lambertian(albedo = [r, g, b]), "
-            f"{file.model}(...))'; correct the line or leave it out"
+            f"{model}(...))'; correct the line or leave it out"
         )
-    if model != file.model:
-        raise ValueError(f"unknown model '{model}'; {suggest(model, [file.model])}")
+    if lobe != model:
+        raise ValueError(f"unknown model '{lobe}'; {suggest(lobe, [model])}")
     checked = _checked("Lambertian", diffuse, {"albedo": (3,)})
-    return name, {DIFFUSE: checked["albedo"], **_checked(model, parameters, file.shapes)}
+    return name, {DIFFUSE: checked["albedo"], **_checked(model, parameters, shapes)}
 
 
 def _call(node: Any) -> tuple[str, dict]:

@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from npfm.datasets import published_factors
 from npfm.errors import NpfmError
 from npfm.figures import style
 from npfm.figures.slice_axes import TICKS_H
 from npfm.fitting import fits
-from npfm.papers import authors_factors
 from npfm.reflectance.half_difference import MERL
 from npfm.reflectance.table import CHANNELS
 from npfm.storage.names import distinct
@@ -36,7 +36,7 @@ ANGLES = {
     "F": np.degrees(MERL.theta_d),
     "F G²": np.degrees(MERL.theta_d),
 }
-PUBLISHED_ANGLES = ANGLES | {"G": np.degrees(authors_factors.G_THETA)}
+PUBLISHED_ANGLES = ANGLES | {"G": np.degrees(published_factors.G_THETA)}
 LABELS = {
     "D": r"$\theta_h$ (degrees)",
     "G": r"$\theta_i$ or $\theta_o$ (degrees)",
@@ -58,7 +58,7 @@ def make(arguments: argparse.Namespace) -> Figure:
     a = arguments
     names = distinct(Path(path).stem for path in a.fits)
     ours = dict(zip(names, map(_factors, a.fits), strict=True))
-    return draw(ours, authors_factors.read(a.published) if a.published else {})
+    return draw(ours, published_factors.read(a.published) if a.published else {})
 
 
 def _factors(path: str) -> Curves:
@@ -102,7 +102,8 @@ def draw(ours: Mapping[str, Curves], published: Mapping[str, Curves]) -> Figure:
     ----------
     ours, published : mapping of str to mapping of str to ndarray of shape (3, 90)
         D, G and F of the channels by material, in any scale; published ones, as
-        `npfm.papers.authors_factors.read` returns them, are drawn for the materials that have them.
+        `npfm.datasets.published_factors.read` returns them, are drawn for the materials that have
+        them.
     """
     size = style.PAGE_WIDTH, PANEL_HEIGHT * len(ANGLES) + LEGEND_HEIGHT
     with style.context():

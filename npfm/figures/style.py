@@ -74,6 +74,7 @@ class Look:
 LOOKS = {
     "bivariate": Look("#000000", "s"),
     "independent-g": Look("#0072B2", "o"),
+    "independent-g-published": Look("#0072B2", "o", "--", filled=False),
     "g-from-d": Look("#E69F00", "^"),
     "naive": Look("#009E73", "D"),
     "bivariate-g": Look("#7F7F7F", "P"),

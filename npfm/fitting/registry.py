@@ -15,6 +15,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from numpy.typing import NDArray
+
 from npfm.declarations import named_files
 from npfm.errors import NpfmError, suggest
 from npfm.fitting import fits
@@ -24,6 +26,51 @@ from npfm.reflectance.table import Table
 FOLDER = Path(__file__).parents[1] / "models"
 #: What the module of a model has to have.
 INTERFACE = ("fit", "tabulate", "parameter_count")
+
+
+#: By kind of a file that parameters were published in, the module that reads it: the function
+#: `read` takes the path, and as keywords what the model says that the file holds. Models import the
+#: one they need, too, so that it is among the code that they depend on.
+READERS = {
+    "fits": "npfm.datasets.parameter_files",
+    "factors": "npfm.datasets.published_factors",
+}
+
+
+@dataclass(frozen=True)
+class Published:
+    """A file of parameters that others published.
+
+    Parameters
+    ----------
+    kind : str
+        Which of `READERS` reads it; the key of a configuration that says where it is begins with
+        ``published_``.
+    name : str
+        Of the file.
+    holds : mapping
+        What it holds, as its reader has to be told.
+    """
+
+    kind: str
+    name: str
+    holds: Mapping[str, Any] = field(default_factory=dict)
+
+    def read(self, path: str | Path) -> Mapping[str, Mapping[str, NDArray]]:
+        """Read a file of this kind.
+
+        Returns
+        -------
+        mapping of str to (mapping of str to ndarray)
+            By material, the parameters by their names.
+
+        Raises
+        ------
+        NpfmError
+            If the file is absent or holds something else.
+        """
+        reader = importlib.import_module(READERS[self.kind])
+        return reader.read(path, **self.holds)
 
 
 @dataclass(frozen=True)
@@ -59,9 +106,8 @@ class Model:
         Whether a brighter table has larger coefficients and all else the same.
     grids : tuple of str
         Kinds of the grids whose tables it is for.
-    published : mapping
-        For a model that is not fitted but read: its file, as
-        `npfm.datasets.parameter_files.FitFile`.
+    published : Published, optional
+        For a model that is not fitted but read: what it is read from.
     """
 
     module: str
@@ -77,7 +123,7 @@ class Model:
     converted: bool = False
     scale_free: bool = True
     grids: tuple[str, ...] = (HalfDifference.kind,)
-    published: Mapping[str, Any] = field(default_factory=dict)
+    published: Published | None = None
 
     def load(self) -> ModuleType:
         """Import the model: its `fit`, `tabulate` and `parameter_count`.
@@ -105,9 +151,14 @@ def models() -> Mapping[str, Model]:
     """
     known = {field.name for field in fields(Model)} - {"module"}
     return {
-        name: Model(f"npfm.models.{path.stem}", **constants)
+        name: _model(f"npfm.models.{path.stem}", constants)
         for name, (path, constants) in named_files(FOLDER, known, "model").items()
     }
+
+
+def _model(module: str, constants: Mapping[str, Any]) -> Model:
+    source = constants.get("published")
+    return Model(module, **{**constants, "published": Published(**source) if source else None})
 
 
 def fitted() -> tuple[str, ...]:

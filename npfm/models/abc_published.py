@@ -16,9 +16,12 @@ SHARED = ("b", "c", "eta")
 SOLVER = False
 OBJECTIVE = False
 PUBLISHED = {
+    "kind": "fits",
     "name": "low_lowmicrofacet_E2.fit",
-    "model": "LowMicrofacetFit",
-    "shapes": {"A": (3,), "B": (), "C": (), "eta": ()},
+    "holds": {
+        "model": "LowMicrofacetFit",
+        "shapes": {"A": (3,), "B": (), "C": (), "eta": ()},
+    },
 }
 
 MODEL = Model(NAME, FORM)

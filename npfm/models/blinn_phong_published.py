@@ -15,9 +15,12 @@ SHARED = ("n",)
 SOLVER = False
 OBJECTIVE = False
 PUBLISHED = {
+    "kind": "fits",
     "name": "ngan_blinnphong.fit",
-    "model": "NganBlinnPhong",
-    "shapes": {"albedo": (3,), "sharpness": ()},
+    "holds": {
+        "model": "NganBlinnPhong",
+        "shapes": {"albedo": (3,), "sharpness": ()},
+    },
 }
 
 MODEL = Model(NAME, FORM)

@@ -17,9 +17,12 @@ SHARED = ("roughness", "f0")
 SOLVER = False
 OBJECTIVE = False
 PUBLISHED = {
+    "kind": "fits",
     "name": "ngan_cooktorrance.fit",
-    "model": "NganCookTorrance",
-    "shapes": {"albedo": (3,), "eta": (), "roughness": ()},
+    "holds": {
+        "model": "NganCookTorrance",
+        "shapes": {"albedo": (3,), "eta": (), "roughness": ()},
+    },
 }
 
 MODEL = Model(NAME, FORM)

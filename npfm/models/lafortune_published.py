@@ -18,9 +18,12 @@ SIGNED = ("C_xy",)
 SOLVER = False
 OBJECTIVE = False
 PUBLISHED = {
+    "kind": "fits",
     "name": "ngan_lafortune.fit",
-    "model": "NganLafortune",
-    "shapes": {"albedo": (3,), "Cxy": (), "Cz": (), "sharpness": ()},
+    "holds": {
+        "model": "NganLafortune",
+        "shapes": {"albedo": (3,), "Cxy": (), "Cz": (), "sharpness": ()},
+    },
 }
 
 MODEL = Model(NAME, FORM)

@@ -16,18 +16,21 @@ SIGNED = ("f0", "f1", "theta0")
 SOLVER = False
 OBJECTIVE = False
 PUBLISHED = {
+    "kind": "fits",
     "name": "bagher_sgd.fit",
-    "model": "Bagher",
-    "shapes": {
-        "albedo": (3,),
-        "alpha": (3,),
-        "p": (3,),
-        "eta": (2, 3),
-        "K": (3,),
-        "Lambda": (3,),
-        "c": (3,),
-        "k": (3,),
-        "theta0": (3,),
+    "holds": {
+        "model": "Bagher",
+        "shapes": {
+            "albedo": (3,),
+            "alpha": (3,),
+            "p": (3,),
+            "eta": (2, 3),
+            "K": (3,),
+            "Lambda": (3,),
+            "c": (3,),
+            "k": (3,),
+            "theta0": (3,),
+        },
     },
 }
 #: Tau where c is 0: no angle comes near it, so G is 1.

@@ -15,9 +15,12 @@ SHARED = ("roughness",)
 SOLVER = False
 OBJECTIVE = False
 PUBLISHED = {
+    "kind": "fits",
     "name": "ngan_ward.fit",
-    "model": "NganWard",
-    "shapes": {"albedo": (3,), "roughness": ()},
+    "holds": {
+        "model": "NganWard",
+        "shapes": {"albedo": (3,), "roughness": ()},
+    },
 }
 
 MODEL = Model(NAME, FORM)

@@ -8,11 +8,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from npfm.datasets import published_factors
 from npfm.fitting.factors.microfacet import G_THETA
 from npfm.fitting.objective import Objective, Samples, channel_samples, evaluate, weighted_median
-from npfm.papers.authors_factors import tabulate_channel
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import CHANNELS, Table
+
+Array = NDArray[np.float64]
 
 #: Objectives of the published factors: as they are read, and with G's nodes half a degree further
 #: or F's half a degree earlier.
@@ -35,7 +37,7 @@ def distance(
     measured : Table
         What the run takes for the measurement.
     published : mapping of str to ndarray
-        Factors and coefficients as `npfm.papers.authors_factors.read` returns them. Cells that
+        Factors and coefficients as `npfm.datasets.published_factors.read` returns them. Cells that
         rest on a component that no sample has touched do not count.
     fitted : Table
         Our fit of the same model to `measured`.
@@ -68,6 +70,45 @@ def _readings(grid: HalfDifference, factors: Mapping[str, Any]) -> list[NDArray]
         tabulate_channel(grid, **factors, g_theta=G_THETA),
         tabulate_channel(grid, **factors, f_theta=degrees),
     ]
+
+
+def tabulate_channel(
+    grid: HalfDifference,
+    D: Array,
+    F: Array,
+    G: Array,
+    rho_d: float,
+    rho_s: float,
+    *,
+    g_theta: Array = published_factors.G_THETA,
+    f_theta: Array | None = None,
+) -> Array:
+    """Equation 3 at the centre of every cell of a grid, for one channel of published factors.
+
+    Parameters
+    ----------
+    grid : HalfDifference
+        With as many theta_h and theta_d bins as D and F have components.
+    D, F, G : ndarray
+        Factors, NaN where a component is not known.
+    rho_d, rho_s : float
+        In 1/sr.
+    g_theta, f_theta : ndarray, optional
+        Angles in radians that the components of G and F belong to, linear between them; without
+        `f_theta`, those of F belong to the bins of theta_d.
+
+    Returns
+    -------
+    ndarray, shape grid.shape
+        BRDF in 1/sr; NaN in cells that rest on an unknown component, and below the horizon.
+    """
+    if f_theta is not None:
+        F = np.interp(grid.theta_d, f_theta, F)
+    value = rho_s * D[:, None, None] * F[:, None]
+    for cosine in grid.cosines:
+        theta = np.arccos(np.clip(cosine, 0, 1))
+        value = value * np.interp(theta, g_theta, G) / np.cos(np.minimum(theta, g_theta[-1]))
+    return np.where(grid.above_horizon, rho_d + value, np.nan)
 
 
 def _known(samples: Samples, known: NDArray[np.bool_]) -> Samples:

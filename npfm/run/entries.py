@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from npfm.datasets import parameter_files
-from npfm.datasets.parameter_files import FitFile
+from npfm.datasets.spelling import check_spelling
 from npfm.errors import NpfmError, suggest
 from npfm.fitting import registry
 from npfm.fitting.registry import Model
@@ -69,10 +68,10 @@ def missing_fits(
     """
     missing = set()
     for variant in named.values():
-        if variant.published:
-            file = FitFile(**registry.declared(variant.model).published)
-            there = parameter_files.read(variant.published, file)
-            parameter_files.check_names(variant.published, there, materials)
+        source = registry.declared(variant.model).published
+        if source and variant.published:
+            there = source.read(variant.published)
+            check_spelling(variant.published, there, materials)
             absent = {(variant.name, name) for name in materials if name not in there}
             if len(absent) == len(materials):
                 raise NpfmError(
@@ -89,7 +88,7 @@ def _variant(entry: Mapping[str, Any], model: Model, config: Mapping[str, Any]) 
     if solver["method"] not in SOLVERS:
         hint = suggest(solver["method"], SOLVERS)
         raise NpfmError(f"config: solver: unknown solver '{solver['method']}'; {hint}")
-    published = _published_file(model, config)
+    published = _published_file(entry["name"], model, config)
     options = [
         *("--model", entry["model"], "--solver", solver["method"]),
         *("--tolerance", f"{solver['tolerance']}"),
@@ -143,7 +142,16 @@ def _check_settings(
             raise NpfmError(f"config: {where}/{key}: give a whole number")
 
 
-def _published_file(model: Model, config: Mapping[str, Any]) -> str | None:
-    if not model.published:
+def _published_file(variant: str, model: Model, config: Mapping[str, Any]) -> str | None:
+    """Return the path of what the parameters of a variant are read from, if they are."""
+    if model.published is None:
         return None
-    return str(Path(config["data"]) / config["published_fits"] / model.published["name"])
+    key = f"published_{model.published.kind}"
+    if key not in config:
+        raise NpfmError(
+            f"config: variants/{variant}: needs the key {key}, the path of {model.published.name} "
+            "(docs/data.md); add it, or leave this variant out"
+        )
+    path = Path(config["data"]) / config[key]
+    # Of one kind there is a folder with a file a model, of the other there is one file.
+    return str(path / model.published.name if model.published.kind == "fits" else path)

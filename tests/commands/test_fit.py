@@ -241,7 +241,7 @@ def test_published_parameters_are_those_of_the_tables_name(capsys, tmp_path, fel
     assert "needs --published, the path of low_lowmicrofacet_E2.fit" in line
     file.write_text(text.replace("felt", "felts"))
     line = refused(capsys, tmp_path, *call, "--published", file, "-o", output)
-    assert f"{file}: no line for the material 'felt'; did you mean felts" in line
+    assert f"{file}: has no material 'felt'; did you mean felts" in line
     call[-1] = "bivariate"
     line = refused(capsys, tmp_path, *call, "--published", file, "-o", output)
     assert "--published is not a setting of 'bivariate'" in line

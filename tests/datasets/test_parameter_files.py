@@ -1,12 +1,11 @@
 import numpy as np
 import pytest
 
-from npfm.datasets.names import MERL_NAMES
-from npfm.datasets.parameter_files import DIFFUSE, FitFile, check_names, read
+from npfm.datasets.parameter_files import DIFFUSE
 from npfm.errors import NpfmError
 from npfm.fitting import registry
 
-FILE = FitFile(**registry.declared("cook-torrance-published").published)
+FILE = registry.declared("cook-torrance-published").published
 LINE = (
     "{name} = Aggregate(Lambertian(albedo = [0.1, 0.2, 0.3]), "
     "NganCookTorrance(albedo = [1, 2, 3], eta = 0.5, roughness = 1e-2))\n"
@@ -23,7 +22,7 @@ def test_a_line_a_material(tmp_path):
     text = (
         "# a comment\n\n" + LINE.format(name="red-felt") + "  # another\n" + LINE.format(name="b")
     )
-    found = read(written(tmp_path, text), FILE)
+    found = FILE.read(written(tmp_path, text))
     assert list(found) == ["red-felt", "b"]
     assert {name: value.tolist() for name, value in found["b"].items()} == {
         DIFFUSE: [0.1, 0.2, 0.3],
@@ -65,7 +64,7 @@ def test_a_bad_line_is_told_with_file_and_line(tmp_path, old, new, said):
     assert old in bad
     path = written(tmp_path, "# first\n" + LINE.format(name="a") + bad.replace(old, new, 1))
     with pytest.raises(NpfmError) as caught:
-        read(path, FILE)
+        FILE.read(path)
     message = str(caught.value)
     assert message.startswith(f"{path}, line 3: ")
     assert said in message
@@ -81,7 +80,7 @@ def test_a_file_without_a_material_says_where_to_get_one(tmp_path, content, said
     if content is not None:
         path.write_bytes(content)
     with pytest.raises(NpfmError, match=f"{FILE.name}: {said}.*github.com/bsdfbenchmark/bbm"):
-        read(path, FILE)
+        FILE.read(path)
 
 
 @pytest.mark.parametrize(
@@ -89,8 +88,8 @@ def test_a_file_without_a_material_says_where_to_get_one(tmp_path, content, said
     [("abc-published", 100), ("shifted-gamma-published", 100), ("cook-torrance-published", 86)],
 )
 def test_the_published_files_are_read_whole(data, variant, count):
-    file = FitFile(**registry.declared(variant).published)
-    found = read(data / "published_fits" / file.name, file)
+    file = registry.declared(variant).published
+    found = file.read(data / "published_fits" / file.name)
     assert len(found) == count
     assert all((values[DIFFUSE] >= 0).all() for values in found.values())
     assert not any(np.isnan(value).any() for p in found.values() for value in p.values())
@@ -106,7 +105,7 @@ def test_the_first_material_is_there_whatever_the_file_begins_with(tmp_path, enc
     if encoding.endswith("-bom"):
         text, encoding = "\ufeff" + text, encoding.removesuffix("-bom")
     path.write_bytes(text.encode(encoding))
-    assert list(read(path, FILE)) == ["a", "b"]
+    assert list(FILE.read(path)) == ["a", "b"]
 
 
 @pytest.mark.parametrize(
@@ -128,48 +127,16 @@ def test_what_is_no_text_of_lines_is_told(tmp_path, content, said):
     path = tmp_path / FILE.name
     path.write_bytes(content)
     with pytest.raises(NpfmError, match=said) as caught:
-        read(path, FILE)
+        FILE.read(path)
     assert str(caught.value).startswith(str(path))
     assert "\n" not in str(caught.value)
 
 
 def test_a_folder_and_a_huge_file_are_told(tmp_path):
     with pytest.raises(NpfmError, match=r"is a folder, not a \.fit file"):
-        read(tmp_path, FILE)
+        FILE.read(tmp_path)
     with open(tmp_path / "huge.fit", "wb") as file:
         file.write(b"# ")
         file.truncate(2**24 + 1)
     with pytest.raises(NpfmError, match=r"huge\.fit: more than 16777216 bytes"):
-        read(tmp_path / "huge.fit", FILE)
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "Blue-Acrylic",
-        "blue_acrylic",
-        "blue acrylic",
-        "blue\N{EN DASH}acrylic",
-        "\ufeffblue-acrylic",
-        "blue-acryllic",
-        "blu-acrylic",
-        "blue-acrylic.binary",
-    ],
-)
-def test_a_material_does_not_vanish_for_its_spelling(name):
-    with pytest.raises(NpfmError, match=r"x\.fit: has no 'blue-acrylic' but '.*correct the name"):
-        check_names("x.fit", [name, "pvc"], ["blue-acrylic", "pvc"])
-
-
-def test_files_may_lack_materials_and_have_others():
-    check_names("x.fit", ["blue-acrylic", "pvc", "my-own"], ["pvc"])
-    # Names that are nearly alike, but each that of a material.
-    check_names("x.fit", ["pink-fabric"], ["pink-fabric", "pink-fabric2"])
-    check_names("x.fit", ["my-felt-1"], ["my-felt-1", "my-felt-2"])
-
-
-def test_the_published_files_miss_no_material_for_its_spelling(data):
-    for variant in ("abc-published", "shifted-gamma-published", "cook-torrance-published"):
-        file = FitFile(**registry.declared(variant).published)
-        found = read(data / "published_fits" / file.name, file)
-        check_names(file.name, found, MERL_NAMES)
+        FILE.read(tmp_path / "huge.fit")

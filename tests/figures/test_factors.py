@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from npfm.__main__ import main
+from npfm.datasets.published_factors import G_THETA
 from npfm.exports.texture import PARAMETERS, rows, texture
 from npfm.figures import figure03, figure04, figure05, figure06, figure16, style
 from npfm.fitting import fits
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective, channel_samples
-from npfm.papers.authors_factors import G_THETA
 from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.table import Table
 

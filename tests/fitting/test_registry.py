@@ -8,6 +8,7 @@ import pytest
 
 from npfm.errors import NpfmError
 from npfm.fitting import registry
+from npfm.run.provenance import closure
 
 ROOT = Path(__file__).parents[2]
 PAPER = {"bivariate", "independent-g", "g-from-d", "naive"}
@@ -41,6 +42,18 @@ def test_what_is_declared_is_what_the_modules_say():
                 assert getattr(declared, key) == getattr(module, key.upper())
             elif key != "settings":
                 assert getattr(declared, key) == default
+
+
+def test_published_models_depend_on_what_reads_their_file():
+    """It is imported by name; a digest finds it by the model, which imports it as well."""
+    sources = {name: model.published for name, model in registry.models().items()}
+    kinds = {source.kind for source in sources.values() if source}
+    assert kinds == set(registry.READERS)
+    for name, source in sources.items():
+        if source:
+            modules = closure([registry.declared(name).module])
+            readers = {kind: reader in modules for kind, reader in registry.READERS.items()}
+            assert readers == {kind: kind == source.kind for kind in registry.READERS}, name
 
 
 @pytest.mark.parametrize(

@@ -127,6 +127,46 @@ def test_fits_that_a_published_file_lacks_are_not_made(tmp_path):
     assert check(DEFAULT).missing_option == []
 
 
+def with_factors(tmp_path, names, **changes):
+    """A configuration of two materials, with factors that were published for some."""
+    count = len(names)
+    arrays = {name: np.ones((count, 90, 3)) for name in "DGF"}
+    arrays |= {name: np.ones((count, 3)) for name in ("rho_d", "rho_s")}
+    np.savez(tmp_path / "factors.npz", names=names, **arrays)
+    return configured(
+        data=str(tmp_path),
+        dataset={"materials": ["chalk", "pink-felt"]},
+        variants=["independent-g", "independent-g-published"],
+        **{"published_factors": "factors.npz"} | changes,
+    )
+
+
+def test_published_factors_are_a_variant_of_the_materials_that_have_some(tmp_path):
+    run = check(with_factors(tmp_path, ["chalk", "chrome"]))
+    path = str(tmp_path / "factors.npz")
+    assert run.published_inputs("independent-g-published") == [path]
+    options = run.variants["independent-g-published"].options
+    assert options[options.index("--published") + 1] == path
+    assert run.missing_option == ["--missing", "independent-g-published/pink-felt"]
+    assert run.variants_of("pink-felt") == ["independent-g"]
+
+
+@pytest.mark.parametrize(
+    ("names", "changes", "said"),
+    [
+        (["chrome"], {}, "variants/independent-g-published: .* has none of the run's materials"),
+        (["chalk", "pink_felt"], {}, "has no 'pink-felt' but 'pink_felt'"),
+        (["chalk"], {"published_factors": None}, "needs the key published_factors, the path of"),
+        (["chalk"], {"published_factors": "none.npz"}, "none.npz: no such file"),
+        (["chalk"], {"published_factors": ""}, "folder"),
+    ],
+)
+def test_published_factors_that_do_not_serve_are_told(tmp_path, names, changes, said):
+    with pytest.raises(NpfmError, match=said) as caught:
+        check(with_factors(tmp_path, names, **changes))
+    assert "\n" not in str(caught.value)
+
+
 def test_a_published_file_without_any_of_the_materials_is_told(tmp_path):
     with pytest.raises(NpfmError, match=r"ngan_cooktorrance\.fit has none of the run's materials"):
         check(with_published(tmp_path, ["unknown"]))

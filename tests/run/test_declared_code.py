@@ -75,6 +75,11 @@ CALLS = [
         models("cook-torrance-published"),
         "fit chalk.binary --model cook-torrance-published --published x.fit -o x.npz",
     ),
+    (
+        "fit",
+        models("independent-g-published"),
+        "fit chalk.binary --model independent-g-published --published factors.npz -o x.npz",
+    ),
     ("light generate", [], "light --generate house --height 8 -o x.exr"),
     ("light file", [], "light lights/grove.exr --layout lat-long --height 8 -o x.exr"),
     (
@@ -218,6 +223,9 @@ def folder(tmp_path_factory, light_file):
     shutil.copy(folder / "materials/chalk.binary", folder)
     (folder / "x.fit").write_text(FIT)
     (folder / "paint.bsdf").write_bytes(tensor_file(fields(np.random.default_rng(1))))
+    factors = dict.fromkeys("DGF", np.ones((1, 90, 3)))
+    factors |= dict.fromkeys(("rho_d", "rho_s"), np.ones((1, 3)))
+    np.savez(folder / "factors.npz", names=["chalk"], **factors)
     columns = "scene,material,variant,metric,value,unit,better"
     rows = (f"all,{name},ggx,logarithm,1,1,lower" for name in ("chalk", "slate"))
     (folder / "quality.csv").write_text("\n".join([columns, *rows, ""]))

@@ -25,8 +25,8 @@ def curves(fit: Fit, published: Mapping[str, NDArray]) -> list[dict[str, Any]]:
         Curves are its arrays of a value a bin, D over theta_h, G over theta_i or theta_o, F over
         theta_d; where D but no G was fitted by Smith's relation, G follows from D.
     published : mapping of str to ndarray
-        Published factors of the material, as `npfm.papers.authors_factors.read` returns them, or
-        nothing.
+        Published factors of the material, as `npfm.datasets.published_factors.read` returns them,
+        or nothing.
 
     Returns
     -------

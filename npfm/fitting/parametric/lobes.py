@@ -4,15 +4,16 @@ Every one is rho = rho_d + rho_s lobe(theta_h, theta_d, theta_i, theta_o).
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from npfm.fitting.channels import as_table, records_of, with_end
-from npfm.fitting.fits import Fit, Trace
-from npfm.fitting.objective import Objective, channel_samples, fold
+from npfm.fitting.channels import as_table
+from npfm.fitting.fits import Fit
+from npfm.fitting.objective import Objective
+from npfm.fitting.published import with_record
 from npfm.reflectance.directional import Directional
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import CHANNELS, Table
@@ -179,8 +180,4 @@ class Model:
         """
         arrays = {name: np.atleast_1d(value).astype(np.float32) for name, value in values.items()}
         fit = Fit(self.name, arrays, table.grid)
-        channels = range(len(CHANNELS))
-        folded = [fold(channel_samples(table, channel, objective)) for channel in channels]
-        trace = Trace("published", "published", 0, 0, (0.0,), (0.0,))
-        records = records_of(self.tabulate(fit), folded, [[trace]] * len(CHANNELS), 0.0)
-        return replace(fit, records=tuple(with_end(record) for record in records))
+        return with_record(fit, self.tabulate(fit), table, objective)

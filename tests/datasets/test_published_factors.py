@@ -1,16 +1,10 @@
-"""The factors of the paper's authors: what their file says, and what it leaves to be read."""
-
-import itertools
+"""The factors of the paper's authors: what their file says."""
 
 import numpy as np
 import pytest
 
-from npfm.datasets import neural
+from npfm.datasets.published_factors import read
 from npfm.errors import NpfmError
-from npfm.papers.authors_distance import distance
-from npfm.papers.authors_factors import G_THETA, read, tabulate_channel
-from npfm.reflectance.angles import directions
-from npfm.reflectance.half_difference import HalfDifference
 
 
 def arrays(**changes):
@@ -33,45 +27,6 @@ def test_the_authors_factors_have_maximum_1_and_hide_what_no_sample_touched(data
         np.testing.assert_allclose(factors["D"].max(axis=1), 1, rtol=1e-6)
         assert np.isnan(factors["G"][:, 0]).all() and np.isfinite(factors["G"][:, 1:]).all()
         assert np.isnan(factors["F"][:, 0]).all() and np.isfinite(factors["F"][:, 1:]).all()
-
-
-def test_values_cell_by_cell():
-    """G between whole degrees, F of the bin or between whole degrees, nothing where unknown."""
-    grid, rng = HalfDifference(18, 90, 36), np.random.default_rng(2)
-    D, F, G = rng.random(18), rng.random(90), rng.random(90)
-    F[0] = G[0] = np.nan
-    at_bins = tabulate_channel(grid, D, F, G, 0.1, 2.0)
-    at_degrees = tabulate_channel(grid, D, F, G, 0.1, 2.0, f_theta=G_THETA)
-    for h, d, p in itertools.product((2, 9, 14), (1, 30, 60), (0, 7, 35)):
-        product, angles = 2.0 * D[h], []
-        for direction in directions(grid.theta_h[h], grid.theta_d[d], grid.phi_d[p]):
-            angle = np.degrees(np.arccos(direction[2]))
-            angles.append(angle)
-            k = int(angle) if angle < 90 else 0
-            g = G[k] + (angle - k) * (G[k + 1] - G[k]) if k < 89 else G[89]
-            product = product * g / np.cos(np.radians(min(angle, 89)))
-        if max(angles) >= 90:
-            assert np.isnan(at_bins[h, d, p])
-            continue
-        assert at_bins[h, d, p] == pytest.approx(0.1 + product * F[d], nan_ok=True)
-        between = (F[d] + F[d + 1]) / 2
-        assert at_degrees[h, d, p] == pytest.approx(0.1 + product * between, nan_ok=True)
-    assert np.isnan(at_bins[:, 0]).all()
-    assert np.isfinite(at_bins[2, 30, 7])
-
-
-#: Means of the channels of the objective, as shares of the zero model's: with G at the centres of
-#: bins, and at whole degrees.
-READ = {"white-fabric2": (0.0087, 0.0042), "green-latex": (0.0050, 0.0033)}
-
-
-@pytest.mark.parametrize("material", READ)
-def test_the_tables_support_nodes_of_g_at_whole_degrees(data, material):
-    table = neural.load(data / "merl_nbrdf.zip", material)
-    factors = read(data / "npf_reference.npz")[material]
-    found = distance(material, table, factors, table)
-    means = found[["g_at_centres", "published"]].mean()
-    assert means.to_numpy() == pytest.approx(READ[material], abs=6e-5)
 
 
 @pytest.mark.parametrize("missing", ["names", "D", "rho_s"])

@@ -1,4 +1,4 @@
-"""The factors that Bagher et al. 2016 published for some materials."""
+"""Factors that Bagher et al. 2016 published for some materials, read from an ``.npz`` file."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
-from npfm.reflectance.half_difference import HalfDifference
 from npfm.storage.archives import read_arrays
 
 Array = NDArray[np.float64]
+#: D, G and F, the channels first, and rho_d and rho_s.
+Factors = Mapping[str, Array]
 
 #: Axes of each array but the material's.
 SHAPES = dict.fromkeys(("D", "G", "F"), (90, 3)) | dict.fromkeys(("rho_d", "rho_s"), (3,))
@@ -22,7 +23,7 @@ G_THETA = np.deg2rad(np.arange(90.0))
 MOST_BYTES = 2**26
 
 
-def read(path: str | Path) -> dict[str, Mapping[str, Array]]:
+def read(path: str | Path) -> dict[str, Factors]:
     """Read published factors.
 
     Parameters
@@ -77,42 +78,3 @@ def _checked(path: str | Path, name: str, array: NDArray, count: int) -> Array:
             "from where it was published"
         )
     return array.astype(float)
-
-
-def tabulate_channel(
-    grid: HalfDifference,
-    D: Array,
-    F: Array,
-    G: Array,
-    rho_d: float,
-    rho_s: float,
-    *,
-    g_theta: Array = G_THETA,
-    f_theta: Array | None = None,
-) -> Array:
-    """Equation 3 at the centre of every cell of a grid, for one channel of published factors.
-
-    Parameters
-    ----------
-    grid : HalfDifference
-        With as many theta_h and theta_d bins as D and F have components.
-    D, F, G : ndarray
-        Factors, NaN where a component is not known.
-    rho_d, rho_s : float
-        In 1/sr.
-    g_theta, f_theta : ndarray, optional
-        Angles in radians that the components of G and F belong to, linear between them; without
-        `f_theta`, those of F belong to the bins of theta_d.
-
-    Returns
-    -------
-    ndarray, shape grid.shape
-        BRDF in 1/sr; NaN in cells that rest on an unknown component, and below the horizon.
-    """
-    if f_theta is not None:
-        F = np.interp(grid.theta_d, f_theta, F)
-    value = rho_s * D[:, None, None] * F[:, None]
-    for cosine in grid.cosines:
-        theta = np.arccos(np.clip(cosine, 0, 1))
-        value = value * np.interp(theta, g_theta, G) / np.cos(np.minimum(theta, g_theta[-1]))
-    return np.where(grid.above_horizon, rho_d + value, np.nan)
