@@ -96,7 +96,8 @@ def correlations(
     pairs : DataFrame
         As `pairs` makes it.
     groups : mapping of str to sequence of str
-        Which kinds (column ``made``) belong to each group of models.
+        Which kinds (column ``made``) belong to each group of models. Where there are several of
+        what people were shown, that of the kind that stands first counts.
     seed : int
         Of the resampling.
 
@@ -113,12 +114,20 @@ def correlations(
     """
     rows = []
     for models, kinds in groups.items():
-        chosen = pairs[pairs["made"].isin(list(kinds))]
+        chosen = _chosen(pairs, kinds)
         for name in [ALL, *sorted(chosen["class"].unique())]:
             of_class = chosen if name == ALL else chosen[chosen["class"] == name]
             if of_class["material"].nunique() > 1:
                 rows += [(models, name, *row) for row in _rows(of_class, seed)]
     return pd.DataFrame(rows, columns=list(CORRELATIONS))
+
+
+def _chosen(pairs: pd.DataFrame, kinds: Sequence[str]) -> pd.DataFrame:
+    """Pairs of some kinds: of each approximation and material, of the first kind that there is."""
+    ranks = {kind: rank for rank, kind in enumerate(kinds)}
+    chosen = pairs.assign(rank=pairs["made"].map(ranks)).dropna(subset="rank")
+    first = chosen.groupby(["method", "material"])["rank"].transform("min")
+    return chosen[chosen["rank"] == first].drop(columns="rank")
 
 
 def _rows(pairs: pd.DataFrame, seed: int) -> Iterator[tuple]:

@@ -11,13 +11,15 @@ SOURCE = "Lavoué et al. 2021"
 #: ours of the same model, which is not what people saw.
 PUBLISHED, MADE_AGAIN, OURS = "published", "made again", "our fit"
 #: By variant: the approximation as the study names it, and what the variant is of it. BAGHER is
-#: taken for the model of 2016, since the study lists that of 2012, SGD, apart.
+#: taken for the model of 2016, since the study lists that of 2012, SGD, apart. LAFORTUNE is that of
+#: Ngan et al. 2005, which has one lobe.
 SHOWN = {
     "abc-published": ("ABC", PUBLISHED),
     "shifted-gamma-published": ("SGD", PUBLISHED),
     "ward-published": ("WARD", PUBLISHED),
     "lafortune-published": ("LAFORTUNE", PUBLISHED),
     "blinn-phong-published": ("BLINN-PHONG", PUBLISHED),
+    "independent-g-published": ("BAGHER", PUBLISHED),
     "power-iteration": ("DUPUY", MADE_AGAIN),
     "ggx": ("GGX", MADE_AGAIN),
     "beckmann": ("BECKMAN", MADE_AGAIN),
