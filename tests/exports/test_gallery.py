@@ -369,7 +369,7 @@ def test_a_phone_shows_a_material_without_scrolling_sideways(run):
 
 
 OVERVIEW = """
-const found = { shown: {}, orders: {} };
+const found = { shown: {}, orders: {}, begins: [byId("quantity").value, byId("order").value] };
 const change = (id, value) => {
   byId(id).value = value;
   byId(id).dispatchEvent(new Event("change"));
@@ -423,6 +423,7 @@ def test_the_overview_shows_the_numbers_of_the_tables(run, size):
     by_psnr = table[table.metric == "ssim"].groupby(["material", "variant"]).value.mean()
     for material, variant, value in found.shown["ssim mean"]:
         assert value == pytest.approx(by_psnr[material, variant], rel=1e-5)
+    assert found.begins == ["ssim", "worst ssim"]
     assert found.orders["diffuseness"] == [MATERIALS[1], MATERIALS[0]]
     logs = table[(table.metric == "logarithm") & (table.variant == "independent-g")]
     worst_first = logs.sort_values("value", ascending=False).material.tolist()

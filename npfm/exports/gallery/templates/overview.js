@@ -8,7 +8,7 @@ const ORDERS = [
 const state = {
   quantity: firstQuantity(),
   scene: null,
-  order: ORDERS[0][0],
+  order: `worst ${firstQuantity()}`,
   of: VARIANTS.includes("independent-g") ? "independent-g" : VARIANTS[0],
   off: new Set(),
   find: "",
