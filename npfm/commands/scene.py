@@ -35,6 +35,8 @@ example:
       --effects visibility antialiasing -o scene-b
 writes a folder with the transport matrix: for every pixel, the weight (radiance per BRDF, the BRDF
 in 1/sr) of each cell of a MERL table. Rendering is then one product a material.
+  python -m npfm scene --light grace.exr --turn 90 --objects sphere -o scene-a-90
+stands in the same light, turned: what the camera saw behind the sphere is to the right of it.
   python -m npfm scene --light grace.exr --objects cloth --grid directional -o hanging
 is for UTIA .bin files; with a shape, --grid directional 12x96x12x96, for finer ones.
 """
@@ -47,6 +49,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.epilog = EXAMPLE
     parser.add_argument("--light", required=True, help="lat-long EXR, made by npfm light")
+    parser.add_argument(
+        "--turn",
+        type=_degrees,
+        default=0.0,
+        metavar="DEGREES",
+        help="turn the light about the vertical, clockwise as seen from above (default: 0)",
+    )
     parser.add_argument("--objects", nargs="+", required=True, help=" and ".join(scenes.OBJECTS))
     parser.add_argument(
         "--grid",
@@ -99,6 +108,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _degrees(text: str) -> float:
+    """Type of an angle."""
+    try:
+        angle = float(text)
+    except ValueError:
+        angle = float("nan")
+    if not -360 <= angle <= 360:
+        raise argparse.ArgumentTypeError(f"'{text}': give a number from -360 to 360")
+    return angle
+
+
 def run(arguments: argparse.Namespace) -> str:
     """Build the transport matrix; what it came to, in a line."""
     scene = scenes.Scene(tuple(arguments.objects), tuple(arguments.effects), arguments.mesh)
@@ -113,6 +133,8 @@ def run(arguments: argparse.Namespace) -> str:
     registry.check_scene(arguments.sampling)
     check_size(arguments.output, arguments.resolution, arguments.resolution)
     light = environment.read(arguments.light)
+    if arguments.turn:
+        light = environment.turned(light, arguments.turn)
     counts = Counter(rays=0)
     # CPU time: one thread builds, and other jobs beside it do not make it cost more.
     began = time.process_time()

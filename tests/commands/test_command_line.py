@@ -108,6 +108,7 @@ SUFFIXES = {"fit": ".npz", "material": ".binary", "tabulate": ".binary", "scene"
         ("light --generate grove --height 9999999 -o {out}", "19999998 x 9999999 pixels"),
         ("light {folder}/grove.exr -o {out}", "give --layout angular-map or lat-long"),
         ("scene --light {folder}/grove.exr --objects sphere --samples 0 -o {out}", "--samples"),
+        ("scene --light {folder}/grove.exr --objects sphere --turn nan -o {out}", "--turn: 'nan'"),
         (
             "scene --light {folder}/grove.exr --objects sphere --resolution 999999999 -o {out}",
             "999999999 x 999999999 pixels",

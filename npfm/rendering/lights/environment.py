@@ -7,6 +7,7 @@ quarter of the width right of the centre. Radiance is constant over a texel, whi
 in proportion to luminance exact.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -169,6 +170,28 @@ def _cosines(rows: int) -> NDArray[np.float64]:
     """Cosines of the polar angles between rows, from +1 to -1, shape (rows + 1,)."""
     # sin(pi/2 - theta) is exactly 1, 0 and -1 at the poles and the horizon.
     return np.sin(np.pi / 2 - np.arange(rows + 1) * (np.pi / rows))
+
+
+def turned(environment: Environment, degrees: float) -> Environment:
+    """Turn a light about the vertical: what stood before the camera moves to its right.
+
+    Parameters
+    ----------
+    environment : Environment
+    degrees : float
+        Clockwise as seen from above, the way in which azimuth grows.
+
+    Returns
+    -------
+    Environment
+        The same light if a turn is whole texels; otherwise each texel is the mean of what it
+        covers of two, so that no row gains or loses radiance.
+    """
+    texels = degrees / 360 * environment.radiance.shape[1]
+    whole = math.floor(texels)
+    moved = np.roll(environment.radiance, whole, axis=1)
+    share = texels - whole
+    return Environment((1 - share) * moved + share * np.roll(moved, 1, axis=1))
 
 
 def tabulate(

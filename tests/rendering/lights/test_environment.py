@@ -149,6 +149,24 @@ def test_turning_the_map_turns_the_light():
     assert (turned.lookup(right) == light.lookup(np.stack([x, y, z], axis=1))).all()
 
 
+def test_turned_by_whole_texels_a_light_is_rolled():
+    light = spiky()
+    for texels in (-7, 3, 24, 25):
+        turned = environment.turned(light, 15 * texels)
+        assert (turned.radiance == np.roll(light.radiance, texels, axis=1)).all()
+
+
+@pytest.mark.parametrize("degrees", [4.0, -100.0, 359.0])
+def test_turned_by_any_angle_texels_are_what_they_cover(degrees):
+    light = spiky()
+    turned = environment.turned(light, degrees)
+    # Texels of a degree each, which the angle is a whole number of.
+    fine = Environment(np.repeat(light.radiance, 15, axis=1))
+    wanted = environment.turned(fine, degrees).radiance.reshape(12, 24, 15, 3).mean(axis=2)
+    np.testing.assert_allclose(turned.radiance, wanted, rtol=1e-9, atol=1e-9)
+    assert (environment.turned(light, 0).radiance == light.radiance).all()
+
+
 def test_tabulate_averages_over_solid_angle():
     height, columns = 6, 12
     edges = np.cos(np.arange(height + 1) * np.pi / height)
