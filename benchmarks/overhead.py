@@ -67,7 +67,8 @@ def redirected(command, folder):
         if word.startswith("-"):
             option = word
         elif option in WRITTEN:
-            words[k] = str(Path(folder) / Path(word).name)
+            # Of several outputs, each has a place of its own, whatever its name.
+            words[k] = str(Path(folder) / str(k) / Path(word).name)
     return words
 
 

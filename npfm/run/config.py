@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -212,10 +212,13 @@ class Run:
         """The light of a scene, as a file of the run."""
         return f"{self.folder}/lights/{self.config['scenes'][scene]['light']}.exr"
 
-    def tone_options(self, scene: str) -> list[str]:
-        """Arguments of ``npfm render`` for the PNG of a scene."""
-        described = self.config["scenes"][scene]
-        return ["--exposure", f"{described['exposure']}", "--gamma", f"{described['gamma']}"]
+    def tone_options(self, *scenes: str) -> list[str]:
+        """Arguments of ``npfm render`` for the PNGs of some scenes."""
+        described = [self.config["scenes"][name] for name in scenes]
+        return [
+            *option("--exposure", (f"{scene['exposure']}" for scene in described)),
+            *option("--gamma", (f"{scene['gamma']}" for scene in described)),
+        ]
 
     @property
     def tones(self) -> list[str]:
@@ -239,20 +242,28 @@ class Run:
             *(["--power", f"{sampled['power']}"] if "power" in sampled else []),
         ]
 
-    def bounced(self, picture: Mapping[str, str], folder: str | None = None) -> list[str]:
-        """Light that bounces in a scene that lists it, as a file: one, or none.
+    @property
+    def bouncing(self) -> list[str]:
+        """Names of the scenes that list light that bounces."""
+        return [name for name, scene in self.config["scenes"].items() if _scene(scene).bounces]
+
+    def bounced(self, rendered: Mapping[str, str], folder: str | None = None) -> list[str]:
+        """Light that bounces in the scenes that list it, as a file for each, in order.
 
         Parameters
         ----------
-        picture : mapping of str to str
-            Its scene, material and variant; without a variant, it is of the measurement.
+        rendered : mapping of str to str
+            The material and variant; without a variant, it is the measurement.
         folder : str, optional
             Of a study with variants of its own.
         """
-        scene, variant = picture["scene"], picture.get("variant", "measured")
-        if not _scene(self.config["scenes"][scene]).bounces:
-            return []
-        return [f"{folder or self.folder}/bounced/{scene}/{picture['material']}/{variant}.exr"]
+        name = f"{rendered['material']}/{rendered.get('variant', 'measured')}"
+        return [f"{folder or self.folder}/bounced/{scene}/{name}.exr" for scene in self.bouncing]
+
+    def bounced_option(self, files: Iterable[str]) -> list[str]:
+        """Argument of ``npfm render`` for these files, or for none of them."""
+        pairs = zip(self.bouncing, files, strict=False)
+        return option("--bounced", (f"{self.folder}/scenes/{s}={file}" for s, file in pairs))
 
     def bounced_options(self, scene: str) -> list[str]:
         """Arguments of ``npfm interreflect`` for a scene."""

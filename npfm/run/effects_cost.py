@@ -44,8 +44,7 @@ class Plan:
 
     def bounced_options(self, scene: str) -> list[str]:
         """Arguments of ``npfm effects-cost compare`` about light that bounces."""
-        listed = self.run.bounced({"scene": scene, "material": self.run.materials[0]})
-        return ["--bounces"] if listed else []
+        return ["--bounces"] if scene in self.run.bouncing else []
 
     def _switchable(self, scene: str) -> list[str]:
         return [name for name in EFFECTS if not self._run(scene, [name]).warnings]

@@ -50,6 +50,10 @@ CALLS = {
         "a.json",
     ),
     "render": ("{made}/A {made}/chalk.binary -o {out}/a.exr", "a.exr", "a.png"),
+    "render --measured": (
+        "{made}/chalk.binary {made}/A {made}/A {made}/chalk.npz -o {out}/a.exr {out}/b.exr",
+        *("a.exr", "a.png", "b.exr", "b.png"),
+    ),
     "interreflect": (
         "{made}/chalk.binary --light {made}/grove.exr --objects figure --resolution 4 --paths 1"
         " --record {out}/a.json -o {out}/a.exr",

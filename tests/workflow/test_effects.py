@@ -30,8 +30,8 @@ def test_a_scene_that_lists_interreflection_has_it_rendered_for_each_picture(pro
     assert {f"bounced/C/chalk/{name}.exr" for name in pictures} <= bounced
     assert not [name for name in bounced if not name.startswith("bounced/C/")]
     assert {f"renders/C/chalk/{name}.exr" for name in pictures} <= planned
-    # The matrix stays as it is, and so does what is without the effect.
-    assert not [name for name in planned if name.startswith(("scenes/", "renders/A/", "fits/"))]
+    # The matrix stays as it is.
+    assert not [name for name in planned if name.startswith(("scenes/", "fits/"))]
 
 
 def test_a_pointless_effect_is_warned_of_once_and_reruns_nothing(project):

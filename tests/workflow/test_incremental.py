@@ -35,6 +35,7 @@ def fits(*variants, material="chalk"):
     }
 
 
+PICTURES = "measured", "bivariate", "naive", "old"
 TABLES = GATHERED | {"tables/fits.csv", "tables/materials.csv", "figures/table1.csv"}
 
 
@@ -92,11 +93,11 @@ def test_another_seed_fits_again_what_starts_at_random(project):
     assert project.planned(*targets, *others) == fits("independent-g")
 
 
-def test_another_exposure_reruns_the_pictures_of_that_scene(project):
+def test_another_exposure_renders_every_fit_again_and_builds_no_scene(project):
+    """One job renders a fit in all scenes."""
     scenes = project.config["scenes"] | {"A": project.config["scenes"]["A"] | {"exposure": 0.5}}
     project.configure(scenes=scenes)
-    expected = renders("measured", "bivariate", "naive", "old", scenes="A")
-    assert project.planned(*TARGETS) == expected | GATHERED
+    assert project.planned(*TARGETS) == renders(*PICTURES) | GATHERED
 
 
 def test_another_material_is_all_that_is_made(project):
@@ -107,14 +108,17 @@ def test_another_material_is_all_that_is_made(project):
     assert project.planned(*TARGETS) == new | TABLES
 
 
-def test_another_scene_is_all_that_is_made(project):
+def test_another_scene_is_built_and_every_fit_rendered_in_all_scenes(project):
     project.configure(
         scenes=project.config["scenes"] | {"D": project.config["scenes"]["A"] | {"light": "grove"}}
     )
-    new = {"lights/grove.exr", "scenes/D", "scenes/D.json"} | renders(
-        "measured", "bivariate", "naive", "old", scenes="D"
-    )
+    new = {"lights/grove.exr", "scenes/D", "scenes/D.json"} | renders(*PICTURES, scenes="ACD")
     assert project.planned(*TARGETS) == new | GATHERED
+
+
+def test_a_scene_less_builds_none_and_renders_every_fit_in_those_that_stay(project):
+    project.configure(scenes={"A": project.config["scenes"]["A"]})
+    assert project.planned(*TARGETS) == renders(*PICTURES, scenes="A") | GATHERED
 
 
 def test_a_lost_table_is_made_again_and_nothing_before_it(project):

@@ -47,48 +47,59 @@ use rule bounced_measured as bounced_fit with:
 ruleorder: bounced_measured > bounced_fit
 
 
+# One job renders in all scenes: Python starts once, and the table is read or made once.
 use rule npfm as render_measured with:
     input:
-        scene=rules.scene.output.scene,
+        scenes=expand(rules.scene.output.scene, scene=RUN.scenes),
         table=rules.material.output,
         bounced=lambda wildcards: RUN.bounced(wildcards),
     output:
-        exr=f"{OUT}/renders/{{scene}}/{{material}}/measured.exr",
-        png=f"{OUT}/renders/{{scene}}/{{material}}/measured.png",
+        exr=expand(
+            f"{OUT}/renders/{{scene}}/{{{{material}}}}/measured.exr", scene=RUN.scenes
+        ),
+        png=expand(
+            f"{OUT}/renders/{{scene}}/{{{{material}}}}/measured.png", scene=RUN.scenes
+        ),
     log:
-        f"{OUT}/logs/render/{{scene}}/{{material}}/measured.log",
+        f"{OUT}/logs/render/{{material}}/measured.log",
     resources:
         mem_mb=2000,
-        runtime=5,
+        runtime=10,
     params:
         verb="render",
         code=RUN.render_code("measured"),
         files=lambda wildcards, input, output: [
-            *(input.scene, *input.table),
-            *option("--bounced", input.bounced),
-            *("-o", output.exr),
+            *words([*input.scenes, *input.table]),
+            *RUN.bounced_option(input.get("bounced", [])),
+            *option("-o", output.exr),
         ],
-        options=lambda wildcards: RUN.tone_options(wildcards.scene),
+        options=RUN.tone_options(*RUN.scenes),
 
 
 use rule render_measured as render_fit with:
     input:
-        scene=rules.scene.output.scene,
+        scenes=expand(rules.scene.output.scene, scene=RUN.scenes),
         fit=rules.fit.output.fit,
         table=rules.material.output,
         bounced=lambda wildcards: RUN.bounced(wildcards),
     output:
-        exr=f"{OUT}/renders/{{scene}}/{{material}}/{{variant}}.exr",
-        png=f"{OUT}/renders/{{scene}}/{{material}}/{{variant}}.png",
+        exr=expand(
+            f"{OUT}/renders/{{scene}}/{{{{material}}}}/{{{{variant}}}}.exr",
+            scene=RUN.scenes,
+        ),
+        png=expand(
+            f"{OUT}/renders/{{scene}}/{{{{material}}}}/{{{{variant}}}}.png",
+            scene=RUN.scenes,
+        ),
     log:
-        f"{OUT}/logs/render/{{scene}}/{{material}}/{{variant}}.log",
+        f"{OUT}/logs/render/{{material}}/{{variant}}.log",
     params:
         code=lambda wildcards: RUN.render_code(wildcards.variant),
         files=lambda wildcards, input, output: [
-            *(input.scene, input.fit),
+            *words([*input.scenes, input.fit]),
             *("--measured", *input.table),
-            *option("--bounced", input.get("bounced", [])),
-            *("-o", output.exr),
+            *RUN.bounced_option(input.get("bounced", [])),
+            *option("-o", output.exr),
         ],
 
 

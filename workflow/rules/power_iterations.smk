@@ -41,15 +41,21 @@ use rule bounced_fit as power_iterations_bounced with:
 
 use rule render_fit as power_iterations_render with:
     input:
-        scene=rules.scene.output.scene,
+        scenes=expand(rules.scene.output.scene, scene=RUN.scenes),
         fit=rules.power_iterations_fit.output.fit,
         table=rules.material.output,
         bounced=lambda wildcards: RUN.bounced(wildcards, POWER.folder),
     output:
-        exr=f"{POWER.folder}/renders/{{scene}}/{{material}}/{{variant}}.exr",
-        png=f"{POWER.folder}/renders/{{scene}}/{{material}}/{{variant}}.png",
+        exr=expand(
+            f"{POWER.folder}/renders/{{scene}}/{{{{material}}}}/{{{{variant}}}}.exr",
+            scene=RUN.scenes,
+        ),
+        png=expand(
+            f"{POWER.folder}/renders/{{scene}}/{{{{material}}}}/{{{{variant}}}}.png",
+            scene=RUN.scenes,
+        ),
     log:
-        f"{OUT}/logs/power_iterations/render/{{scene}}/{{material}}/{{variant}}.log",
+        f"{OUT}/logs/power_iterations/render/{{material}}/{{variant}}.log",
     params:
         code=lambda wildcards: POWER.study.render_code(wildcards.variant),
 
@@ -73,7 +79,7 @@ use rule npfm as power_iterations_edit with:
 
 use rule render_fit as power_iterations_render_edited with:
     input:
-        scene=f"{OUT}/scenes/{POWER.scene}",
+        scenes=[f"{OUT}/scenes/{POWER.scene}"],
         fit=rules.power_iterations_edit.output.fit,
         table=rules.material.output,
     output:
