@@ -1,5 +1,10 @@
 import re
 
+import numpy as np
+import pytest
+
+from npfm.storage.pictures import read_exr
+
 
 def test_the_target_switches_each_effect_once_and_builds_no_scene_again(finished):
     """Not run here: it fits independent-g, which the tiny run is without."""
@@ -32,6 +37,23 @@ def test_a_scene_that_lists_interreflection_has_it_rendered_for_each_picture(pro
     assert {f"renders/C/chalk/{name}.exr" for name in pictures} <= planned
     # The matrix stays as it is.
     assert not [name for name in planned if name.startswith(("scenes/", "fits/"))]
+
+
+def test_light_that_bounces_is_added_in_the_scene_that_lists_it(project):
+    pytest.importorskip("mitsuba", reason="needs the extra mitsuba")
+    results = project.folder / "results" / "tiny"
+    pictures = [results / "renders" / scene / "chalk" / "naive.exr" for scene in ("A", "C")]
+    before = [read_exr(path)[..., :3] for path in pictures]
+    scenes = {name: dict(scene) for name, scene in project.config["scenes"].items()}
+    scenes["C"] |= {"effects": ["visibility", "interreflection"], "paths": 4}
+    project.configure(scenes=scenes)
+    run = project.snakemake("results/tiny/renders/A/chalk/naive.exr")
+    assert run.returncode == 0, run.stdout + run.stderr
+    bounced = read_exr(results / "bounced" / "C" / "chalk" / "naive.exr")
+    assert bounced.any()
+    same, brighter = (read_exr(path)[..., :3] for path in pictures)
+    np.testing.assert_array_equal(same, before[0])
+    np.testing.assert_allclose(brighter, before[1] + bounced, rtol=1e-6)
 
 
 def test_a_pointless_effect_is_warned_of_once_and_reruns_nothing(project):

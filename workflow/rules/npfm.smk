@@ -6,6 +6,8 @@ ENVIRONMENT = f"{workflow.basedir}/workflow/envs/npfm.yaml".translate(
 
 # One command for all rules: its words are quoted here and nowhere else. The rules that use it name
 # the verb and give the words: `files` are those that the rule reads and writes, `options` the rest.
+# Of the jobs that are ready, scenes come first, which all pictures wait for; then what completes a
+# material that was begun, so that its pictures and its rows are there before the next one's.
 rule npfm:
     log:
         f"{OUT}/logs/npfm.log",
