@@ -7,6 +7,7 @@ use rule npfm as fit with:
         record=f"{OUT}/fits/{{variant}}/{{material}}.json",
     log:
         f"{OUT}/logs/fit/{{variant}}/{{material}}.log",
+    priority: 1
     resources:
         mem_mb=1000,
         runtime=60,

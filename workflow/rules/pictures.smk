@@ -9,6 +9,7 @@ use rule npfm as bounced_measured with:
         record=f"{OUT}/bounced/{{scene}}/{{material}}/measured.json",
     log:
         f"{OUT}/logs/bounced/{{scene}}/{{material}}/measured.log",
+    priority: 2
     threads: 2
     resources:
         mem_mb=2500,
@@ -62,6 +63,7 @@ use rule npfm as render_measured with:
         ),
     log:
         f"{OUT}/logs/render/{{material}}/measured.log",
+    priority: 3
     resources:
         mem_mb=2000,
         runtime=10,

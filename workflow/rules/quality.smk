@@ -20,6 +20,7 @@ use rule npfm as quality with:
         f"{OUT}/quality/{{material}}.csv",
     log:
         f"{OUT}/logs/quality/{{material}}.log",
+    priority: 3
     resources:
         mem_mb=1000,
         runtime=15,

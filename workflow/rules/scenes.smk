@@ -5,6 +5,7 @@ use rule npfm as light with:
         f"{OUT}/lights/{{light}}.exr",
     log:
         f"{OUT}/logs/light/{{light}}.log",
+    priority: 4
     resources:
         mem_mb=1000,
         runtime=10,
@@ -26,6 +27,7 @@ use rule npfm as scene with:
         f"{OUT}/logs/scene/{{scene}}.log",
     wildcard_constraints:
         scene=any_of(RUN.scenes),
+    priority: 4
     resources:
         mem_mb=3000,
         runtime=20,
