@@ -8,6 +8,7 @@ import ast
 import hashlib
 import importlib.metadata
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cache
 from itertools import groupby
 from pathlib import Path
@@ -27,6 +28,8 @@ BY_NAME = (
     "npfm.fitting.solvers.choice",
     "npfm.rendering.sampling.registry",
 )
+#: Nodes that may have a docstring.
+DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 #: What runs under every verb.
 ALL_VERBS = ("npfm.commands", "npfm.errors", "npfm.storage.signals")
 
@@ -85,7 +88,7 @@ def digest(entries: tuple[str, ...], alone: tuple[str, ...] = ()) -> str:
         tensorly and scikit-learn where they are imported.
     """
     modules = sorted(closure(entries) | set(alone))
-    imported = {name.split(".")[0] for module in modules for name in _named(module)}
+    imported = {name.split(".")[0] for module in modules for name in _found(module).named}
     libraries = [*LIBRARIES, *(WHERE_IMPORTED[name] for name in WHERE_IMPORTED if name in imported)]
     parts = [f"{name} {importlib.metadata.version(name)}" for name in libraries]
     parts += [f"{module} {_syntax(module)}" for module in modules]
@@ -105,7 +108,7 @@ def closure(entries: Iterable[str]) -> set[str]:
     while waiting:
         module = waiting.pop()
         if module not in found:
-            if _imports_by_name(module) and module not in BY_NAME:
+            if _found(module).by_name and module not in BY_NAME:
                 raise ValueError(
                     f"{module} imports by name, which no digest can follow: "
                     "give it alone, and what it imports as entries"
@@ -137,31 +140,35 @@ def _tree(module: str) -> ast.Module:
     return ast.parse(_source(module).read_text("utf-8"))
 
 
+@dataclass(frozen=True)
+class _Found:
+    """What a module imports: names in its import statements, and whether any by another way."""
+
+    named: frozenset[str]
+    by_name: bool
+
+
 @cache
-def _imports_by_name(module: str) -> bool:
-    names = {"import_module", "__import__"}
-    nodes = ast.walk(_tree(module))
-    return any({getattr(node, "id", None), getattr(node, "attr", None)} & names for node in nodes)
+def _found(module: str) -> _Found:
+    """Look through a module, once: there are hundreds, and every call of Snakemake waits for it."""
+    named: list[str] = []
+    by_name = False
+    for node in ast.walk(_tree(module)):
+        match node:
+            case ast.Import(names):
+                named += [alias.name for alias in names]
+            case ast.ImportFrom(_, names):
+                source = _absolute(module, node)
+                named += [source, *(f"{source}.{alias.name}" for alias in names)]
+            case ast.Name(id=name) | ast.Attribute(attr=name):
+                by_name |= name in ("import_module", "__import__")
+    return _Found(frozenset(named), by_name)
 
 
 @cache
 def _imports(module: str) -> frozenset[str]:
     """Modules of `npfm` that a module imports itself."""
-    return frozenset(n for n in _named(module) if n.split(".")[0] == "npfm" and _file(n))
-
-
-@cache
-def _named(module: str) -> frozenset[str]:
-    """Names in the import statements of a module, whether of modules or of what is in them."""
-    return frozenset(name for node in ast.walk(_tree(module)) for name in _imported(module, node))
-
-
-def _imported(module: str, node: ast.AST) -> Iterator[str]:
-    if isinstance(node, ast.Import):
-        yield from (alias.name for alias in node.names)
-    elif isinstance(node, ast.ImportFrom):
-        source = _absolute(module, node)
-        yield from (source, *(f"{source}.{alias.name}" for alias in node.names))
+    return frozenset(n for n in _found(module).named if n.split(".")[0] == "npfm" and _file(n))
 
 
 def _absolute(module: str, node: ast.ImportFrom) -> str:
@@ -175,11 +182,13 @@ def _absolute(module: str, node: ast.ImportFrom) -> str:
 @cache
 def _syntax(module: str) -> str:
     """What the code of a module says, as text."""
-    return " ".join(_said(_tree(module)))
+    words: list[str] = []
+    _say(_tree(module), words)
+    return " ".join(words)
 
 
-def _said(node: ast.AST, raised: bool = False) -> Iterator[str]:
-    """Words that say what a syntax tree does, the same whichever version of Python parsed it.
+def _say(node: ast.AST, words: list[str], raised: bool = False) -> None:
+    """Add the words that say what a syntax tree does, whichever version of Python parsed it.
 
     Versions differ in how they print a tree and in the fields that they leave empty: so these are
     our own words, and nothing is said of what is empty. Nor is anything of docstrings, and of text
@@ -188,24 +197,23 @@ def _said(node: ast.AST, raised: bool = False) -> Iterator[str]:
     raised = raised or isinstance(node, ast.Raise)
     if raised and _is_text(node):
         return
-    yield f"({type(node).__name__}"
+    words.append(f"({type(node).__name__}")
     for name, value in sorted(ast.iter_fields(node)):
         if name in ("ctx", "kind", "type_comment") or value is None or value == []:
             continue
-        yield f"{name}="
+        words.append(f"{name}=")
         for part in _parts(node, name, value):
             if isinstance(part, ast.AST):
-                yield from _said(part, raised)
+                _say(part, words, raised)
             else:
-                yield f"{type(part).__name__}:{part!a}"
-    yield ")"
+                words.append(f"{type(part).__name__}:{part!a}")
+    words.append(")")
 
 
 def _parts(node: ast.AST, name: str, value: Any) -> list[Any]:
     """Values of a field: without a docstring, and with the text of an f-string in one piece."""
     parts = value if isinstance(value, list) else [value]
-    documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
-    if name == "body" and isinstance(node, documented):
+    if name == "body" and isinstance(node, DOCUMENTED):
         return parts[1:] if ast.get_docstring(node, clean=False) is not None else parts
     if isinstance(node, ast.JoinedStr):
         runs = groupby(parts, key=lambda part: isinstance(part, ast.Constant))
