@@ -60,6 +60,7 @@ if not RUN.grid.anisotropic:
     include: "workflow/rules/bounces.smk"
     include: "workflow/rules/perception.smk"
     include: "workflow/rules/shared_lobes.smk"
+    include: "workflow/rules/where.smk"
 
 
 rule all:

@@ -39,6 +39,7 @@ FIGURES = {
     "figure15": "pictures of fits to the full and to a restricted range of angles, with PSNR (dB)",
     "figure16": "the texture of npfm texture, each parameter by its logarithm",
     "fidelity": "PSNR (dB) of every material's pictures and table, by two peaks",
+    "where": "where the error of fits sits, by angles of the table and by the slant of a surface",
     "page": "pictures of one material, measured and fitted, one row a scene",
     "convergence": "objective against seconds, every start by both solvers",
     "pareto": "mean PSNR (dB) against mean seconds of a fit, and against its bytes",

@@ -26,6 +26,7 @@ CODE_OF_KIND = {
         "npfm.datasets.published_factors",
     ),
     "fidelity": ("npfm.commands.sources", "npfm.evaluation.fidelity"),
+    "where": ("npfm.commands.sources", "npfm.evaluation.where"),
 }
 #: What each table holds, and what it is made from.
 KINDS = {
@@ -52,6 +53,10 @@ KINDS = {
     "fidelity": (
         "PSNR in dB of pictures and of tables, by two peaks: Figure 4 of Peng et al. 2017",
         ("run", "psnr", "measured"),
+    ),
+    "where": (
+        "where the error of fits sits, in percent: by angles, and by the slant of a lone sphere",
+        ("run", "materials", "variants"),
     ),
     "table1": ("seconds and counts of our fits, beside the paper's Table I", ("fits",)),
 }
@@ -90,6 +95,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                 metavar="VARIANT/MATERIAL",
                 help="fits that there are not, to be left out",
             )
+        if kind == "where":
+            chosen.add_argument(
+                "--spheres", nargs="+", default=[], help="the scenes of a lone sphere that count"
+            )
+            chosen.add_argument(
+                "--max-angle",
+                type=float,
+                default=89.0,
+                help="of the objective, in degrees (default: 89)",
+            )
+            chosen.add_argument(
+                "--no-compressive",
+                action="store_true",
+                help="an objective without the compressive weight",
+            )
+            chosen.add_argument(
+                "--cells", default="volume-form", help="its weight of cells (default: volume-form)"
+            )
         chosen.add_argument(
             "-o", "--output", type=output(tables.TABLE), required=True, help="CSV to write"
         )
@@ -113,6 +136,8 @@ def run(arguments: argparse.Namespace) -> None:
             table = _published(a)
         case "fidelity":
             table = _fidelity(a)
+        case "where":
+            table = _where(a)
         case "table1":
             text, numbers = ["material", "variant"], ["seconds", "iterations", "gss_calls"]
             table = table1(tables.read(a.fits, text, numbers))
@@ -149,6 +174,21 @@ def _fidelity(a: argparse.Namespace) -> pd.DataFrame:
     if missing := sorted(set(psnr["material"]) - measured.keys()):
         raise NpfmError(f"{a.psnr}: no table of {missing[0]}; name its file after --measured")
     return fidelity(a.run, psnr, measured, table)
+
+
+def _where(a: argparse.Namespace) -> pd.DataFrame:
+    """Find where the error of all fits that there are sits."""
+    from npfm.commands.sources import table
+    from npfm.evaluation.where import where
+    from npfm.fitting.objective import Objective
+
+    left_out = set(a.missing)
+    fits = {
+        name: [variant for variant in a.variants if f"{variant}/{name}" not in left_out]
+        for name in a.materials
+    }
+    objective = Objective(not a.no_compressive, a.max_angle, a.cells)
+    return where(a.run, a.spheres, fits, objective, table)
 
 
 def _example(kind: str) -> str:

@@ -23,8 +23,8 @@ from npfm.run.words import as_input, option, path_word
 
 ONLY_HALF_DIFFERENCE = (
     "config: dataset: on a directional grid there is no Figure 3, and no target accuracy_cost, "
-    "effects, importance, perception or shared_lobes: they are of theta_h, or of models for "
-    "isotropic tables"
+    "effects, importance, perception, shared_lobes or where: they are of theta_h, or of models "
+    "for isotropic tables"
 )
 
 
@@ -100,6 +100,23 @@ class Run:
     def missing_option(self) -> list[str]:
         """Argument of ``npfm tables`` for the fits that there are not, if any."""
         return option("--missing", (f"{variant}/{name}" for variant, name in sorted(self.missing)))
+
+    @property
+    def spheres(self) -> list[str]:
+        """Scenes that show nothing but a sphere."""
+        scenes = self.config["scenes"].items()
+        return [name for name, scene in scenes if scene["objects"] == ["sphere"]]
+
+    @property
+    def where_options(self) -> list[str]:
+        """Arguments of ``npfm tables where`` for the pictures and the objective."""
+        objective = self.config["objective"]
+        return [
+            *option("--spheres", self.spheres),
+            *("--max-angle", f"{objective['max_angle']}"),
+            *([] if objective["compressive"] else ["--no-compressive"]),
+            *(["--cells", objective["cells"]] if "cells" in objective else []),
+        ]
 
     @property
     def colors_option(self) -> list[str]:

@@ -77,6 +77,10 @@ CALLS = {
         "--run {made} --scenes A --materials chalk --variants bivariate -o {out}/a.csv",
         "a.csv",
     ),
+    "tables where": (
+        "--run {made} --spheres A --materials chalk --variants bivariate -o {out}/a.csv",
+        "a.csv",
+    ),
     "quality material": (
         "{made}/chalk.binary --run {made} --scenes A --variants bivariate -o {out}/a.csv",
         "a.csv",

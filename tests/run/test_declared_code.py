@@ -118,6 +118,11 @@ CALLS = [
         "tables fidelity --run . --psnr psnr.csv --measured chalk.binary -o x.csv",
     ),
     (
+        "tables where",
+        models("naive"),
+        "tables where --run . --materials chalk --variants naive --spheres A -o x.csv",
+    ),
+    (
         "quality material",
         models("naive"),
         "quality material chalk.binary --run . --scenes A --variants naive -o x.csv",

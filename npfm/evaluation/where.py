@@ -1,0 +1,171 @@
+"""Where the error of fits sits: by angles of the table, and by the slant of surfaces in pictures.
+
+Of the objective of a fit (Bagher et al. 2016, equation 7) one part no reciprocal model can remove:
+that cells which exchanging light and view maps on one another differ. It is the objective of the
+best reciprocal table, which stands in the list as the variant `RECIPROCAL`.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from npfm.evaluation.comparison import read_reference
+from npfm.fitting.objective import Objective, channel_samples, fold
+from npfm.reflectance.half_difference import HalfDifference
+from npfm.reflectance.table import CHANNELS, Table
+from npfm.rendering.geometry import nearest
+from npfm.rendering.scenes import CAMERA, Scene, place
+from npfm.storage.pictures import read_exr
+
+#: Edges of the bins of each angle, in degrees. `lowest` is the larger of theta_i and theta_o, and
+#: `slant` the angle of normal and view at a pixel of a lone sphere.
+EDGES: Mapping[str, tuple[float, ...]] = {
+    "theta_h": (0, 1, 2, 5, 10, 20, 30, 45, 60, 75, 90),
+    "theta_d": (0, 10, 20, 30, 40, 50, 60, 70, 80, 90),
+    "lowest": (0, 15, 30, 45, 60, 70, 75, 80, 85, 90),
+    "slant": (0, 15, 30, 45, 60, 70, 75, 80, 85, 90),
+}
+#: The best table that a reciprocal model could have, as a variant beside the fits.
+RECIPROCAL = "reciprocal"
+COLUMNS = ("material", "variant", "angle", "from_degrees", "to_degrees", "percent")
+
+
+def reciprocal(measured: Table, objective: Objective) -> Table:
+    """Table with the least objective of those that exchanging light and view leaves the same.
+
+    Cells that do not count are not measured in it.
+    """
+    values = np.full_like(measured.values, -1.0)
+    for channel in range(len(CHANNELS)):
+        samples = channel_samples(measured, channel, objective)
+        folded = fold(samples)
+        merged = np.where(folded.weight > 0, folded.value * folded.scale, -1.0)
+        values[channel] = np.concatenate([merged, merged[..., ::-1]], axis=-1)
+    return Table(values, measured.grid)
+
+
+def of_table(measured: Table, fitted: Table, objective: Objective) -> dict[str, NDArray]:
+    """Objective of a fit by the angles of cells, in percent of what black has.
+
+    Parameters
+    ----------
+    measured, fitted : Table
+        On one half-difference grid.
+    objective : Objective
+
+    Returns
+    -------
+    dict of str to ndarray
+        By theta_h, theta_d and lowest, the parts in the bins of `EDGES`: mean over the channels.
+        They sum to the relative objective of the fit's record.
+    """
+    assert isinstance(measured.grid, HalfDifference)
+    angles = _angles(measured.grid)
+    parts = {name: np.zeros(len(EDGES[name]) - 1) for name in angles}
+    for channel in range(len(CHANNELS)):
+        samples = channel_samples(measured, channel, objective)
+        difference = fitted.values[channel] / samples.scale - samples.value
+        error = samples.weight * np.where(samples.weight > 0, difference, 0) ** 2
+        share = 100 * error / (samples.energy or 1.0) / len(CHANNELS)
+        for name, angle in angles.items():
+            parts[name] += np.histogram(angle, EDGES[name], weights=share)[0]
+    return parts
+
+
+def _angles(grid: HalfDifference) -> dict[str, NDArray[np.float64]]:
+    """Angles of the cells of a grid in degrees, by the names that they have in `EDGES`."""
+    lowest = np.arccos(np.clip(np.minimum(*grid.cosines), 0, 1))
+    cells = np.broadcast_arrays(grid.theta_h[:, None, None], grid.theta_d[:, None], lowest)
+    names = "theta_h", "theta_d", "lowest"
+    return {name: np.degrees(angle) for name, angle in zip(names, cells, strict=True)}
+
+
+def of_picture(reference: NDArray, picture: NDArray, inside: NDArray[np.bool_]) -> NDArray:
+    """Squared error of a picture of a lone sphere by the slant of its pixels, in percent of all.
+
+    Parameters
+    ----------
+    reference, picture : ndarray, shape (n, n, 3)
+        Linear radiance.
+    inside : ndarray of bool, shape (n, n)
+        Pixels that are compared.
+
+    Returns
+    -------
+    ndarray, shape (len(EDGES["slant"]) - 1,)
+        NaN where the pictures are equal.
+    """
+    error = ((picture.astype(float) - reference) ** 2).sum(axis=2)[inside]
+    found = np.histogram(slants(len(reference))[inside], EDGES["slant"], weights=error)[0]
+    return 100 * found / found.sum() if found.sum() > 0 else np.full_like(found, np.nan)
+
+
+def slants(resolution: int) -> NDArray[np.float64]:
+    """Angle in degrees of normal and view at the middle of every pixel of a lone sphere, or NaN."""
+    middle = np.array([[0.5, 0.5]])
+    rays = CAMERA.directions(np.arange(resolution**2), middle, resolution).reshape(-1, 3)
+    origins = np.broadcast_to(CAMERA.position, rays.shape)
+    hits = nearest(place(Scene(("sphere",))), origins, rays)
+    hit = np.isfinite(hits.distance)
+    slant = np.full(len(rays), np.nan)
+    cosine = -np.einsum("ij,ij->i", hits.shading[hit], rays[hit])
+    slant[hit] = np.degrees(np.arccos(np.clip(cosine, 0, 1)))
+    return slant.reshape(resolution, resolution)
+
+
+def where(
+    run: str | Path,
+    scenes: Sequence[str],
+    fits: Mapping[str, Sequence[str]],
+    objective: Objective,
+    read: Callable[[str | Path], Table],
+) -> pd.DataFrame:
+    """Gather where the error of fits sits.
+
+    Parameters
+    ----------
+    run : str or Path
+        Folder of the run.
+    scenes : sequence of str
+        Those of a lone sphere.
+    fits : mapping of str to sequence of str
+        By material, the variants that count.
+    objective : Objective
+        By which cells are weighted.
+    read : callable
+        Gives the table of a measurement or of a fit at a path.
+
+    Returns
+    -------
+    DataFrame
+        `COLUMNS`: of every angle of the table, the percent of the objective of black; of `slant`,
+        the percent of the squared error of the pictures, mean over the scenes.
+    """
+    folder, rows = Path(run), []
+    for material, variants in fits.items():
+        measured = read(folder / "materials" / f"{material}.binary")
+        best = of_table(measured, reciprocal(measured, objective), objective)
+        rows += _rows(material, RECIPROCAL, best)
+        for variant in variants:
+            fitted = read(folder / "fits" / variant / f"{material}.npz")
+            rows += _rows(material, variant, of_table(measured, fitted, objective))
+            pictures = [_seen(folder / "renders" / s / material, variant) for s in scenes]
+            if pictures:
+                rows += _rows(material, variant, {"slant": np.mean(pictures, axis=0)})
+    return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def _seen(folder: Path, variant: str) -> NDArray:
+    radiance, inside = read_reference(folder / "measured.exr")
+    return of_picture(radiance, read_exr(folder / f"{variant}.exr")[..., :3], inside)
+
+
+def _rows(material: str, variant: str, parts: Mapping[str, NDArray]) -> list[tuple]:
+    return [
+        (material, variant, angle, *edges, part)
+        for angle, found in parts.items()
+        for *edges, part in zip(EDGES[angle][:-1], EDGES[angle][1:], found, strict=True)
+    ]
