@@ -30,6 +30,9 @@ MOST_ISOTROPIC = 2
 SYMMETRIES = 1, 2, 4
 #: Angles in files are float32.
 ROUNDING = 1e-4
+#: Cosine of theta_o below which nothing counts as measured, at 89 degrees: what files say of the
+#: rim is extrapolated, and divided by the cosine it rises a hundredfold.
+RIM = np.cos(np.radians(89.0))
 #: Share of a node in an interpolated value below which it is none.
 NO_SHARE = 1e-9
 #: Pairs of directions that are evaluated at a time.
@@ -84,7 +87,7 @@ class Measurement:
         Returns
         -------
         ndarray, shape (3, n)
-            `INVALID` where it was not measured: below the horizon, beyond the directions of the
+            `INVALID` where it was not measured: at `RIM` and below, beyond the directions of the
             light, and wherever one of the values that it lies between stands for none. What a
             conversion of colours has left below 0 becomes 0.
         """
@@ -108,7 +111,7 @@ class Measurement:
             factor = self._factor(theta_i, phi_i, x, y) / view[:, 2]
             brdf = np.stack([bilinear(channel, mix, u, v) for channel in self.values]) * factor
         covered = (theta_i >= self.theta_i[0] - ROUNDING) & (theta_i <= self.highest + ROUNDING)
-        known &= covered & (light[:, 2] > 0) & (view[:, 2] > 0)
+        known &= covered & (light[:, 2] > 0) & (view[:, 2] > RIM)
         known &= (bilinear(self.absent, mix, u, v) < NO_SHARE) & np.isfinite(brdf).all(axis=0)
         return np.where(known, np.maximum(brdf, 0), INVALID)
 

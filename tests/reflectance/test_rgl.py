@@ -135,11 +135,16 @@ def test_the_horizon_and_what_lies_below_are_missing(tmp_path):
     for other in (level, down):
         assert (measured.brdf(up, other) == INVALID).all()
         assert (measured.brdf(other, up) == INVALID).all()
+    # Of the last degree files have no more than a margin.
+    view, light = at(88.9)
+    assert (measured.brdf(light, view) > 0).all()
+    view, light = at(89.1)
+    assert (measured.brdf(light, view) == INVALID).all()
     assert measured.brdf(np.empty((0, 3)), np.empty((0, 3))).shape == (3, 0)
 
 
 def at(degrees):
-    """A light so far from the normal, and a view straight down."""
+    """A light so far from the normal, in degrees, and a view straight down."""
     theta = np.radians(degrees)
     return np.array([[np.sin(theta), 0, np.cos(theta)]]), np.array([[0.0, 0, 1]])
 
