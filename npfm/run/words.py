@@ -25,10 +25,10 @@ def words(items: Iterable[str]) -> list[str]:
 
     Parameters
     ----------
-    items : iterable of str
-        None has a line break.
+    items : iterable of str, or str
+        None has a line break. A text is a list of one, as where a rule has one output.
     """
-    listed = list(items)
+    listed = _listed(items)
     content = "".join(f"{item}\n" for item in listed)
     if len(content.encode()) <= LONGEST:
         return listed
@@ -41,8 +41,12 @@ def words(items: Iterable[str]) -> list[str]:
 
 def option(name: str, items: Iterable[str]) -> list[str]:
     """Return an option with its list, or nothing for an empty one."""
-    listed = list(items)
+    listed = _listed(items)
     return [name, *words(listed)] if listed else []
+
+
+def _listed(items: Iterable[str]) -> list[str]:
+    return [items] if isinstance(items, str) else list(items)
 
 
 def path_word(path: str) -> str:

@@ -19,6 +19,7 @@ def test_few_words_stand_for_themselves_and_make_nothing():
     assert words(["a", "b"]) == ["a", "b"]
     assert option("--names", ["a", "b"]) == ["--names", "a", "b"]
     assert option("--names", []) == []
+    assert option("-o", "one.exr") == ["-o", "one.exr"] and words("one.exr") == ["one.exr"]
     assert not FOLDER.exists()
 
 

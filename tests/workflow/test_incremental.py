@@ -6,6 +6,8 @@ import os
 import shutil
 import threading
 
+import yaml
+
 #: Other figures of the paper: test_paper_figures.py.
 TARGETS = (
     "tables",
@@ -119,6 +121,14 @@ def test_another_scene_is_built_and_every_fit_rendered_in_all_scenes(project):
 def test_a_scene_less_builds_none_and_renders_every_fit_in_those_that_stay(project):
     project.configure(scenes={"A": project.config["scenes"]["A"]})
     assert project.planned(*TARGETS) == renders(*PICTURES, scenes="A") | GATHERED
+
+
+def test_another_order_of_scenes_renders_nothing_again(project):
+    """As where one of them is laid over the others."""
+    scenes = dict(reversed(project.config["scenes"].items()))
+    text = yaml.safe_dump(project.config | {"scenes": scenes}, sort_keys=False)
+    (project.folder / "config.yaml").write_text(text)
+    assert not {name for name in project.planned(*TARGETS) if name.startswith("renders")}
 
 
 def test_a_lost_table_is_made_again_and_nothing_before_it(project):

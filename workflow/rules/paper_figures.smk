@@ -40,7 +40,7 @@ ruleorder: weighting_bounced > bounced_fit
 
 use rule render_fit as weighting_render with:
     input:
-        scenes=expand(rules.scene.output.scene, scene=RUN.scenes),
+        scenes=expand(rules.scene.output.scene, scene=SCENES),
         fit=rules.weighting_fit.output.fit,
         table=rules.material.output,
         bounced=lambda wildcards: RUN.bounced(wildcards),

@@ -1,3 +1,7 @@
+# In one order, so that another one in the configuration renders nothing again.
+SCENES = sorted(RUN.scenes)
+
+
 # Of scenes that list interreflection, and what the target effects switches; by Mitsuba.
 use rule npfm as bounced_measured with:
     input:
@@ -51,15 +55,15 @@ ruleorder: bounced_measured > bounced_fit
 # One job renders in all scenes: Python starts once, and the table is read or made once.
 use rule npfm as render_measured with:
     input:
-        scenes=expand(rules.scene.output.scene, scene=RUN.scenes),
+        scenes=expand(rules.scene.output.scene, scene=SCENES),
         table=rules.material.output,
         bounced=lambda wildcards: RUN.bounced(wildcards),
     output:
         exr=expand(
-            f"{OUT}/renders/{{scene}}/{{{{material}}}}/measured.exr", scene=RUN.scenes
+            f"{OUT}/renders/{{scene}}/{{{{material}}}}/measured.exr", scene=SCENES
         ),
         png=expand(
-            f"{OUT}/renders/{{scene}}/{{{{material}}}}/measured.png", scene=RUN.scenes
+            f"{OUT}/renders/{{scene}}/{{{{material}}}}/measured.png", scene=SCENES
         ),
     log:
         f"{OUT}/logs/render/{{material}}/measured.log",
@@ -75,23 +79,23 @@ use rule npfm as render_measured with:
             *RUN.bounced_option(input.get("bounced", [])),
             *option("-o", output.exr),
         ],
-        options=RUN.tone_options(*RUN.scenes),
+        options=RUN.tone_options(*SCENES),
 
 
 use rule render_measured as render_fit with:
     input:
-        scenes=expand(rules.scene.output.scene, scene=RUN.scenes),
+        scenes=expand(rules.scene.output.scene, scene=SCENES),
         fit=rules.fit.output.fit,
         table=rules.material.output,
         bounced=lambda wildcards: RUN.bounced(wildcards),
     output:
         exr=expand(
             f"{OUT}/renders/{{scene}}/{{{{material}}}}/{{{{variant}}}}.exr",
-            scene=RUN.scenes,
+            scene=SCENES,
         ),
         png=expand(
             f"{OUT}/renders/{{scene}}/{{{{material}}}}/{{{{variant}}}}.png",
-            scene=RUN.scenes,
+            scene=SCENES,
         ),
     log:
         f"{OUT}/logs/render/{{material}}/{{variant}}.log",

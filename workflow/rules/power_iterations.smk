@@ -41,18 +41,18 @@ use rule bounced_fit as power_iterations_bounced with:
 
 use rule render_fit as power_iterations_render with:
     input:
-        scenes=expand(rules.scene.output.scene, scene=RUN.scenes),
+        scenes=expand(rules.scene.output.scene, scene=SCENES),
         fit=rules.power_iterations_fit.output.fit,
         table=rules.material.output,
         bounced=lambda wildcards: RUN.bounced(wildcards, POWER.folder),
     output:
         exr=expand(
             f"{POWER.folder}/renders/{{scene}}/{{{{material}}}}/{{{{variant}}}}.exr",
-            scene=RUN.scenes,
+            scene=SCENES,
         ),
         png=expand(
             f"{POWER.folder}/renders/{{scene}}/{{{{material}}}}/{{{{variant}}}}.png",
-            scene=RUN.scenes,
+            scene=SCENES,
         ),
     log:
         f"{OUT}/logs/power_iterations/render/{{material}}/{{variant}}.log",
