@@ -5,6 +5,7 @@ import sys
 from npfm.declarations import NAME_PATTERN
 from npfm.errors import NpfmError
 from npfm.run.config import check, prefer_this_python
+from npfm.run.formats import wanted
 from npfm.run.names import any_of
 from npfm.run.provenance import command_code
 from npfm.run.words import as_input, option, path_word, words
@@ -18,6 +19,8 @@ report: "workflow/report/workflow.rst"
 
 try:
     RUN = check(config)
+    # Not part of the check, which studies make with variants of their own.
+    wanted(RUN.config, RUN.variants)
 except NpfmError as error:
     sys.exit(f"npfm: {error}")
 
@@ -55,6 +58,7 @@ if not RUN.grid.anisotropic:
 
     include: "workflow/rules/accuracy_cost.smk"
     include: "workflow/rules/effects_cost.smk"
+    include: "workflow/rules/exports.smk"
     include: "workflow/rules/factorisation.smk"
     include: "workflow/rules/importance.smk"
     include: "workflow/rules/bounces.smk"

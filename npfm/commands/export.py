@@ -65,4 +65,4 @@ def _line(name: str, known: registry.Format) -> str:
     made = f"fits of {', '.join(known.models)}" if known.models else "any fit"
     if known.tables:
         made += " or table"
-    return f"  {name:12}{known.suffix or 'folder':10}{known.about}\n{'':24}from {made}\n"
+    return f"  {name:15}{known.suffix or 'folder':10}{known.about}\n{'':27}from {made}\n"

@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
-from npfm.exports import tensor_files
 from npfm.exports.measured_material import Measured, measured
 from npfm.exports.sources import Source
+from npfm.storage.files import Kind, marked
+from npfm.storage.tensor_files import MAGIC, write_arrays
 
 NAME = "bsdf"
 ABOUT = "a measured material of Mitsuba 3, for its variants *_rgb"
@@ -18,7 +19,9 @@ SETTINGS = {
     "views": "elevations of the view (default: 16)",
     "size": "points along theta_h and phi_h for each (default: 64)",
 }
-KIND = tensor_files.KIND
+#: What stands in the description of every file of npfm.
+MARK = "written by npfm"
+KIND = Kind("a measured material", SUFFIX, marked(MAGIC, MARK.encode()))
 VIEWS, SIZE = 16, 64
 #: From a file of 20 kB to one of 280 MB.
 LEAST, MOST_VIEWS, MOST_SIZE = 4, 90, 512
@@ -39,7 +42,7 @@ def write(path: str, sources: Sequence[Source], views: int = VIEWS, size: int = 
     [source] = sources
     found = resampled(source, views, size)
     made = fields(found, source.name)
-    tensor_files.write(path, made | {"rgb": found.reflected.astype(np.float32)[None]})
+    write_arrays(path, KIND, made | {"rgb": found.reflected.astype(np.float32)[None]})
     return said(views, size)
 
 
@@ -59,7 +62,7 @@ def resampled(source: Source, views: int, size: int) -> Measured:
 
 def fields(found: Measured, name: str) -> dict[str, NDArray]:
     """Fields but for the colours, as Mitsuba and pbrt want them."""
-    text = f"{name}, {tensor_files.MARK}"
+    text = f"{name}, {MARK}"
     return {
         "description": np.frombuffer(text.encode(), dtype=np.uint8),
         "phi_i": np.zeros(1, dtype=np.float32),

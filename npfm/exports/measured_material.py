@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.exports.interpolated import Interpolated
-from npfm.exports.warps import warped
 from npfm.reflectance.half_difference import HALF_PI, HalfDifference
 from npfm.reflectance.slopes import ELEVATIONS, normalised, projected_area
 from npfm.reflectance.table import Table
+from npfm.reflectance.warps import forward
 from npfm.rendering.lights.environment import LUMINANCE
 
 Array = NDArray[np.float64]
@@ -93,7 +93,7 @@ def measured(table: Table[HalfDifference], views: int, size: int) -> Measured:
     for elevation in theta:
         view = np.array([np.sin(elevation), 0.0, np.cos(elevation)])
         vndf = _visible(profile, view, size)
-        places, density = warped(vndf, size)
+        places, density = forward(vndf, size)
         half = _half_vectors(places[..., 0], places[..., 1])
         cos_d = half @ view
         light = 2 * cos_d[..., None] * half - view

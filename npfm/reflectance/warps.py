@@ -122,3 +122,47 @@ def _summed(values: Array, axis: int) -> Array:
     steps = np.cumsum((pairs[..., 1:] + pairs[..., :-1]) / 2, axis=-1)
     whole = np.concatenate([np.zeros((*steps.shape[:-1], 1)), steps], axis=-1)
     return np.swapaxes(whole, axis, -1)
+
+
+def forward(density: Array, count: int) -> tuple[Array, Array]:
+    """Where the nodes of an even grid over the square are taken by a density, unlike `inverse`.
+
+    Parameters
+    ----------
+    density : ndarray, shape (rows, columns)
+        Bilinear between nodes, not normalised, somewhere above 0 in each row.
+    count : int
+        Nodes of the even grid along x and along y.
+
+    Returns
+    -------
+    places : ndarray, shape (count, count, 2)
+        x and y of the nodes, by y and x of the grid.
+    found : ndarray, shape (count, count)
+        The density there, of integral 1 over the square.
+    """
+    even = np.linspace(0, 1, count)
+    along = _summed(density, axis=1)
+    down = _summed(along[:, -1], axis=0)
+    row, fall = _reached(down, along[:, -1], even * down[-1])
+    places, found = np.empty((count, count, 2)), np.empty((count, count))
+    patches = np.array(density.shape) - 1
+    for k, (upper, t) in enumerate(zip(row, fall, strict=True)):
+        values = (1 - t) * density[upper] + t * density[upper + 1]
+        sums = (1 - t) * along[upper] + t * along[upper + 1]
+        column, way = _reached(sums, values, even * sums[-1])
+        places[k, :, 0] = (column + way) / patches[1]
+        places[k, :, 1] = (upper + t) / patches[0]
+        found[k] = (1 - way) * values[column] + way * values[column + 1]
+    return places, found * patches.prod() / down[-1]
+
+
+def _reached(sums: Array, values: Array, wanted: Array) -> tuple[Index, Array]:
+    """Where integrals are what is wanted: the node before, and the way to the next."""
+    node = np.clip(np.searchsorted(sums, wanted) - 1, 0, len(values) - 2)
+    begin, end = values[node], values[node + 1]
+    rest = np.maximum(wanted - sums[node], 0)
+    # The root of begin t + (end - begin) t^2 / 2 = rest, in a form that end = begin does not break.
+    slope = begin + np.sqrt(np.maximum(begin**2 + 2 * (end - begin) * rest, 0))
+    way = np.divide(2 * rest, slope, out=np.zeros_like(rest), where=slope > 0)
+    return node, np.clip(way, 0, 1)

@@ -1,12 +1,13 @@
 """Tensor files, the container of the RGL material database: named arrays behind one header.
 
-What is in such a file is told by its header, which anybody may have written: nothing is read before
-it is known to lie within the file.
+Mitsuba 3 and pbrt-v4 read their measured materials from them (Mitsuba's `tensor_io.py`). What is
+in such a file is told by its header, which anybody may have written: nothing is read before it is
+known to lie within the file.
 """
 
 import math
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
+from npfm.storage.files import Kind, replacing
 from npfm.storage.lookalikes import TENSORS, mistaken
 
 MAGIC = b"tensor_file\0"
@@ -28,6 +30,9 @@ TYPES = {
         ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f2", "f4", "f8"), start=1
     )
 }
+CODES = {type_: number for number, type_ in TYPES.items()}
+#: Bytes that arrays begin at multiples of.
+ALIGNED = 8
 #: The version that there is.
 VERSION = 1, 0
 #: A measurement of all azimuths has some 20 MB in RGB; in spectra, which are not read, 110.
@@ -106,6 +111,37 @@ def read_arrays(
         ).reshape(fields[name].shape)
         for name in names
     }
+
+
+def write_arrays(path: str | Path, kind: Kind, arrays: Mapping[str, NDArray]) -> None:
+    """Write a tensor file.
+
+    Parameters
+    ----------
+    path : str or Path
+    kind : Kind
+        What is written, and what may be there already.
+    arrays : mapping of str to ndarray
+        In order, of the types that there are.
+    """
+    heads = [(name.encode(), array) for name, array in arrays.items()]
+    end = START.size + sum(2 + len(n) + FIELD.size + 8 * a.ndim for n, a in heads)
+    with replacing(path, kind) as temporary, temporary.open("wb") as file:
+        file.write(START.pack(MAGIC, *VERSION, len(arrays)))
+        for name, array in heads:
+            begin = _aligned(end)
+            file.write(struct.pack("<H", len(name)) + name)
+            file.write(FIELD.pack(array.ndim, CODES[array.dtype], begin))
+            file.write(struct.pack(f"<{array.ndim}Q", *array.shape))
+            end = begin + array.nbytes
+        for array in arrays.values():
+            file.write(bytes(_aligned(file.tell()) - file.tell()))
+            # Not ndarray.tofile, which says nothing when the disk is full for its last bytes.
+            file.write(np.ascontiguousarray(array).data)
+
+
+def _aligned(offset: int) -> int:
+    return -(-offset // ALIGNED) * ALIGNED
 
 
 def _fields(head: bytes, size: int) -> dict[str, Field]:

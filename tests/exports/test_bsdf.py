@@ -9,13 +9,15 @@ import pytest
 from glossy import glossy
 
 from npfm.__main__ import main
-from npfm.exports import bsdf, tensor_files
+from npfm.exports import bsdf, bsdf_spectral
 from npfm.exports.mitsuba import engine
-from npfm.exports.warps import warped
 from npfm.reflectance.angles import directions
 from npfm.reflectance.half_difference import MERL
 from npfm.reflectance.merl import write_binary
+from npfm.reflectance.rgl import read_bsdf
+from npfm.reflectance.rgl import tabulate as tabulate_rgl
 from npfm.reflectance.table import Table
+from npfm.reflectance.warps import Warp, between, forward
 from npfm.rendering.assembly import build, camera_offsets
 from npfm.rendering.lights.environment import Environment, tabulate
 from npfm.rendering.scenes import CAMERA, Scene, place
@@ -101,13 +103,31 @@ def albedo(table, theta, steps=400):
 def test_the_warp_is_that_of_mitsuba():
     density = np.random.default_rng(3).random((7, 9)) ** 4
     density[2, 3:5] = density[4, :2] = 0
-    places, found = warped(density, 12)
+    places, found = forward(density, 12)
     theirs = mi.MarginalContinuous2D0(density.astype(np.float32))
     x, y = (a.ravel() for a in np.meshgrid(*2 * [np.linspace(0, 1, 12)]))
     at, value = theirs.sample(mi.Point2f(*np.stack([x, y]).astype(np.float32)))
     inside = (x > 0) & (x < 1) & (y > 0) & (y < 1)
     np.testing.assert_allclose(places.reshape(-1, 2)[inside], np.array(at).T[inside], atol=2e-5)
     np.testing.assert_allclose(found.ravel()[inside], np.array(value)[inside], rtol=5e-3, atol=1e-3)
+
+
+def test_the_warp_goes_back_by_its_inverse():
+    density = np.random.default_rng(3).random((7, 9)) ** 4
+    places, _ = forward(density, 12)
+    x, y = places.reshape(-1, 2).T
+    back = Warp.of(density[None]).inverse(between(np.zeros(1), x), x, y)
+    expected = np.meshgrid(*2 * [np.linspace(0, 1, 12)])
+    np.testing.assert_allclose(back, [a.ravel() for a in expected], atol=1e-9)
+
+
+def test_our_own_reader_finds_the_table_again(written):
+    table = glossy()
+    found = tabulate_rgl(read_bsdf(written("glossy", table)), MERL)
+    within = np.minimum(*MERL.cosines) > np.cos(np.radians(80))
+    errors = np.abs(found.values[:, within] / table.values[:, within] - 1)
+    assert found.valid[:, within].all()
+    assert np.median(errors) < 0.005 and np.percentile(errors, 90) < 0.04
 
 
 def test_the_file_has_the_fields_of_a_measured_one(written, data):
@@ -158,6 +178,47 @@ def test_a_black_material_is_black(written):
     assert not weights(path, 30.0).any()
 
 
+def seen_colours(spectra, wavelengths):
+    """Linear sRGB (n, 3) in D65 of spectra (n, w)."""
+    cie = np.array(mi.cie1931_xyz(mi.Float(*wavelengths.astype(np.float32)[None])))
+    lit = cie.reshape(3, -1) * np.array(mi.cie_d65(mi.Float(*wavelengths.astype(np.float32)[None])))
+    to_srgb = np.array(mi.xyz_to_srgb(mi.Color3f([1, 0, 0], [0, 1, 0], [0, 0, 1])))
+    return spectra @ (lit / lit[1].sum()).T @ to_srgb.T
+
+
+def test_spectra_have_the_colours_of_the_table(tmp_path):
+    table = glossy()
+    write_binary(tmp_path / "a.binary", table)
+    path = tmp_path / "a.bsdf"
+    assert main(["export", f"{tmp_path}/a.binary", "--to", "bsdf-spectral", "-o", str(path)]) == 0
+    mi.set_variant("llvm_ad_spectral")
+    made, wavelengths = material(path), np.arange(360, 831, 5.0)
+    rng = np.random.default_rng(6)
+    light, view = directions(*(rng.uniform(0.05, x, 40) for x in (0.6, 0.6, 3.1)))
+    found = []
+    for wavelength in wavelengths:
+        si = seen(view, len(view))
+        si.wavelengths = mi.Spectrum(float(wavelength))
+        toward = mi.Vector3f(*light.T.astype(np.float32))
+        found.append(np.array(made.eval(mi.BSDFContext(), si, toward))[0])
+    colours = seen_colours(np.array(found).T, wavelengths) / light[:, 2:]
+    expected = table.lookup(light, view).T
+    assert np.median(np.abs(colours / expected - 1)) < 0.02
+    assert (np.abs(colours / expected - 1) < 0.15).all()
+    white = seen_colours(np.ones((1, wavelengths.size)), wavelengths)
+    np.testing.assert_allclose(white, 1, rtol=2e-3)
+
+
+def test_primaries_are_red_green_and_blue():
+    mi.set_variant("llvm_ad_spectral")
+    wavelengths = np.arange(360, 831, 1.0)
+    primaries = bsdf_spectral.PRIMARIES
+    curves = [np.interp(wavelengths, bsdf_spectral.WAVELENGTHS, curve) for curve in primaries]
+    np.testing.assert_allclose(seen_colours(np.stack(curves), wavelengths), np.eye(3), atol=2e-3)
+    assert (primaries >= -1e-12).all() and (primaries <= 1).all()
+    np.testing.assert_allclose(primaries.sum(axis=0), 1)
+
+
 def smooth(direction):
     x, y, z = np.moveaxis(direction, -1, 0)
     warm = np.exp(12 * (0.48 * x + 0.6 * y + 0.64 * z - 1))
@@ -200,4 +261,4 @@ def test_sizes_beyond_sense_are_refused(tmp_path, capsys, setting):
 
 def test_a_file_of_another_program_is_left_alone(tmp_path, data, capsys):
     theirs = data / "rgl" / "vch_silk_blue_rgb.bsdf"
-    assert not tensor_files.KIND.ours(theirs)
+    assert not bsdf.KIND.ours(theirs)

@@ -224,6 +224,10 @@ def test_an_absent_or_bad_published_file_is_told(tmp_path):
         ({"scenes": {"A;B": DEFAULT["scenes"]["A"]}}, r"scene 'A;B': a name is .*; rename it$"),
         ({"scenes": {"all": DEFAULT["scenes"]["A"]}}, r"scenes/all: .*; rename it$"),
         ({"scenes": {1: DEFAULT["scenes"]["A"]}}, r"scene 1: a name is .*; write '1' in quotes$"),
+        (
+            {"exports": {"bsdf": {"variants": ["naive"], "size": "4"}}},
+            r"bsdf/size: '4' is not of type 'integer'",
+        ),
         ({"lights": {"x": {1: 2}}}, r"lights/x: unknown key '1'"),
         ({"models": {1: {}}}, r"models: unknown model '1'"),
         ({"solver": {"tolerance": math.nan}}, r"solver/tolerance: nan is not a finite number"),

@@ -8,7 +8,8 @@ from bsdf import tensor_file
 
 from npfm.errors import NpfmError
 from npfm.storage import tensor_files
-from npfm.storage.tensor_files import read_arrays, read_header
+from npfm.storage.files import Kind, marked
+from npfm.storage.tensor_files import read_arrays, read_header, write_arrays
 
 ARRAYS = {
     "one": np.arange(6, dtype="<f4").reshape(1, 2, 3),
@@ -115,3 +116,19 @@ def test_every_end_but_the_last_is_refused(path):
 def test_a_file_that_is_too_large_is_not_read(path, monkeypatch):
     monkeypatch.setattr(tensor_files, "MOST_BYTES", 10)
     assert "10 are the most that a .bsdf file has" in one_line(path)
+
+
+def test_what_is_written_is_read_again(tmp_path):
+    kind = Kind("numbers", ".bsdf", marked(b"tensor_file"))
+    arrays = {
+        "one": np.arange(3, dtype=np.uint8),
+        "two-three": np.arange(6, dtype=np.float32).reshape(2, 3)[:, ::-1],
+        "ü": np.float64([[[1.5]]]),
+    }
+    write_arrays(tmp_path / "a.bsdf", kind, arrays)
+    fields = read_header(tmp_path / "a.bsdf", "numbers")
+    assert all(field.offset % 8 == 0 for field in fields.values())
+    names = dict(zip(fields, arrays, strict=True))
+    for name, array in read_arrays(tmp_path / "a.bsdf", fields, fields).items():
+        assert array.dtype == arrays[names[name]].dtype
+        np.testing.assert_array_equal(array, arrays[names[name]])

@@ -49,6 +49,12 @@ CONFIG = {
         "seconds": 0.01,
         "reference_paths": 8,
     },
+    "exports": {
+        "csv": ["g-from-d"],
+        "merl": ["naive"],
+        "mitsuba": ["naive"],
+        "bsdf": {"variants": ["measured", "old"], "views": 4, "size": 8},
+    },
     "importance": {
         "materials": ["chalk", "no-such"],
         "formulas": [],

@@ -108,11 +108,16 @@ def bsdf_type(variant: str) -> type:
 
 def _read(properties: Any) -> tuple[Reflectance, Sampler]:
     """Table and sampler that the properties of a scene name."""
-    path = str(properties["filename"])
+    path = _found(properties["filename"])
     table = tabulated(path) if Path(path).suffix == ".npz" else read_table(path)
     chosen = str(properties.get("sampling", per_view.NAME))
-    fit = str(properties["fit"]) if "fit" in properties else None
+    fit = _found(properties["fit"]) if "fit" in properties else None
     share = float(properties.get("cosine", COSINE_SHARE))
     if not 0 <= share <= 1:
         raise NpfmError(f"'cosine' of a material is {share:g}; give a share from 0 to 1")
     return Reflectance(table), sampler(table, chosen, fit, share)
+
+
+def _found(name: Any) -> str:
+    """Path of a file that a scene names, beside the scene or where Mitsuba looks for files."""
+    return str(mi.file_resolver().resolve(str(name)))
