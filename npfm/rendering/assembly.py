@@ -2,8 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,20 +10,24 @@ from tqdm import tqdm
 
 from npfm.errors import NpfmError
 from npfm.reflectance.grids import Grid, components
+from npfm.reflectance.half_difference import HalfDifference
+from npfm.rendering import fused, kernels, row_sums
+from npfm.rendering.directions import Combined, Directions, Draw
 from npfm.rendering.effects import EFFECTS
 from npfm.rendering.geometry import Shape
-from npfm.rendering.lights.environment import LUMINANCE, Environment
-from npfm.rendering.sampling.combination import combine
+from npfm.rendering.lights.environment import Environment
 from npfm.rendering.sampling.half_vector import HalfVectorSampling
 from npfm.rendering.sampling.light import LightSampling
-from npfm.rendering.sampling.low_discrepancy import low_discrepancy, rotate
+from npfm.rendering.sampling.low_discrepancy import low_discrepancy
 from npfm.rendering.sampling.strategy import Strategy
 from npfm.rendering.scenes import CAMERA, Scene, place
 from npfm.rendering.surfaces import Surface, look
 from npfm.rendering.transport import Transport
 
-#: Samples of a strategy treated at once, at about a kilobyte of working memory each.
-BLOCK = 1 << 17
+#: Samples treated at once: few enough for what is known of them to stay in a processor's cache.
+BLOCK = 1 << 15
+#: Entries of the matrix that are put together before there are all of them, in 64 MB.
+CHUNK = 1 << 22
 #: A pixel gets up to this many times the usual number of samples, in proportion to the light that
 #: a narrow highlight shows in it. Without that, the few pixels that mirror a lamp make nearly all
 #: of the noise in the error of a specular material.
@@ -42,11 +45,9 @@ class Setup:
     objects: Sequence[Shape]
     obstacles: Sequence[Callable[[Sequence[Shape], NDArray, NDArray, NDArray], NDArray]]
     environment: Environment
-    strategies: Sequence[Strategy]
-    power: float
     grid: Grid
-    offsets: NDArray[np.float64]
-    shifts: NDArray[np.float64]
+    rays: int
+    draw: Draw
     counts: Counter[str]
 
 
@@ -92,30 +93,73 @@ def build(
         scene cannot be used, or the picture is too small to show the objects.
     """
     strategies = strategies or (LightSampling(environment), HalfVectorSampling(grid))
-    setup = _prepare(scene, environment, grid, resolution, seed, strategies, power)
-    if counts is not None:
-        setup = replace(setup, counts=counts)
-    least = len(setup.offsets) * len(setup.strategies)
+    objects, offsets = place(scene), camera_offsets(scene)
+    least = len(offsets) * len(strategies)
     if samples < least:
         raise NpfmError(f"{samples} samples a pixel are too few for this scene; use {least}")
     surface, coverage, backdrop = look(
-        CAMERA, setup.objects, environment, setup.offsets, resolution, tangents=grid.anisotropic
+        CAMERA, objects, environment, offsets, resolution, tangents=grid.anisotropic
     )
     if len(surface) == 0:
         raise NpfmError(f"no ray of {resolution} x {resolution} pixels meets an object; use more")
     number = samples // least * _multiples(surface, environment, grid)
-    parts = tqdm(list(_parts(surface, number)), desc="scene", unit="block", disable=None)
-    blocks = (_rows(surface[part], number[part], setup) for part in parts)
-    indptr, indices, weights = _joined(blocks, resolution**2)
+    shifts = np.random.default_rng(seed).random((len(strategies), resolution**2, 2))
+    effects = [EFFECTS[name] for name in scene.simulated]
+    setup = Setup(
+        objects=objects,
+        obstacles=[effect.reaches for effect in effects if effect.reaches],
+        environment=environment,
+        grid=grid,
+        rays=len(offsets),
+        draw=_drawing(environment, strategies, power, len(offsets), shifts, np.unique(number)),
+        counts=Counter() if counts is None else counts,
+    )
+    parts = tqdm(
+        list(_parts(surface, number * len(strategies))), desc="scene", unit="block", disable=None
+    )
+    rows = (_rows(surface[part], number[part], setup) for part in parts)
+    indptr, indices, weights = _joined(rows, resolution**2)
     return Transport(indptr, indices, weights, coverage, backdrop, grid)
+
+
+def _drawing(
+    environment: Environment,
+    strategies: Sequence[Strategy],
+    power: float,
+    rays: int,
+    shifts: NDArray[np.float64],
+    levels: NDArray[np.int64],
+) -> Draw:
+    """What draws light directions: a compiled pass, if there is one for the strategies."""
+    if fused.serves(environment, strategies, power):
+        return fused.Fused(environment, strategies, rays, shifts, levels)
+    return Combined(environment, strategies, power, rays, shifts)
 
 
 def _joined(blocks: Iterable[tuple[NDArray, ...]], pixels: int) -> tuple[NDArray, NDArray, NDArray]:
     """indptr, indices and weights of the matrix whose rows `_rows` gave block by block."""
-    rows, entries, indices, weights = zip(*blocks, strict=True)
     indptr = np.zeros(pixels + 1, dtype=np.int64)
-    indptr[1 + np.concatenate(rows)] = np.concatenate(entries)
-    return np.cumsum(indptr), np.concatenate(indices), np.concatenate(weights, axis=1)
+    chunks: list[tuple[NDArray, NDArray]] = []
+    held: list[tuple[NDArray, NDArray]] = []
+    for pixel, entries, columns, weights in blocks:
+        indptr[1 + pixel] = entries
+        held.append((columns, weights))
+        if sum(columns.size for columns, _ in held) > CHUNK:
+            chunks.append(_together(held))
+            held = []
+    chunks.append(_together(held))
+    end = sum(columns.size for columns, _ in chunks)
+    indices, sums = np.empty(end, np.int32), np.empty((3, end), np.float32)
+    while chunks:
+        columns, weights = chunks.pop()
+        indices[end - columns.size : end], sums[:, end - columns.size : end] = columns, weights
+        end -= columns.size
+    return np.cumsum(indptr), indices, sums
+
+
+def _together(parts: Sequence[tuple[NDArray, NDArray]]) -> tuple[NDArray, NDArray]:
+    columns, weights = zip(*parts, strict=True)
+    return np.concatenate(columns), np.concatenate(weights, axis=1)
 
 
 def camera_offsets(scene: Scene) -> NDArray[np.float64]:
@@ -127,45 +171,16 @@ def camera_offsets(scene: Scene) -> NDArray[np.float64]:
     return offsets
 
 
-def _prepare(
-    scene: Scene,
-    environment: Environment,
-    grid: Grid,
-    resolution: int,
-    seed: int,
-    strategies: Sequence[Strategy],
-    power: float,
-) -> Setup:
-    effects = [EFFECTS[name] for name in scene.simulated]
-    return Setup(
-        objects=place(scene),
-        obstacles=[effect.reaches for effect in effects if effect.reaches],
-        environment=environment,
-        strategies=strategies,
-        power=power,
-        grid=grid,
-        offsets=camera_offsets(scene),
-        shifts=np.random.default_rng(seed).random((len(strategies), resolution**2, 1, 2)),
-        counts=Counter(),
-    )
-
-
 def _multiples(surface: Surface, environment: Environment, grid: Grid) -> NDArray[np.int64]:
     """How many times the usual number of samples each surface point gets: powers of two."""
-    strategy = HalfVectorSampling(grid)
-    u = low_discrepancy(HIGHLIGHT_SAMPLES) * [HIGHLIGHT_SHARE, 1.0]
-    shown = np.empty(len(surface))
-    step = BLOCK // HIGHLIGHT_SAMPLES
-    for part in (slice(first, first + step) for first in range(0, len(surface), step)):
-        points = surface[part]
-        light = strategy.sample(np.broadcast_to(u, (len(points), *u.shape)), points)
-        shown[part] = (environment.lookup(light) @ LUMINANCE).mean(axis=1)
+    square = low_discrepancy(HIGHLIGHT_SAMPLES) * [HIGHLIGHT_SHARE, 1.0]
+    shown = fused.highlights(surface, square, environment, grid)
     ratio = np.clip(shown / max(shown.mean(), np.finfo(float).tiny), 1, MOST_MULTIPLE)
     return 2 ** np.log2(ratio).astype(int)
 
 
 def _parts(surface: Surface, counts: NDArray[np.int64]) -> Iterator[slice]:
-    """Slices of whole pixels with about `BLOCK` samples of a strategy each."""
+    """Slices of whole pixels with about `BLOCK` samples each."""
     starts = np.flatnonzero(np.diff(surface.pixel, prepend=-1))
     before = (np.cumsum(counts) - counts)[starts]
     cuts = starts[np.diff(before // BLOCK, prepend=-1) > 0]
@@ -173,49 +188,41 @@ def _parts(surface: Surface, counts: NDArray[np.int64]) -> Iterator[slice]:
         yield slice(first, last)
 
 
-def _rows(surface: Surface, counts: NDArray, setup: Setup) -> tuple[NDArray, ...]:
-    """Rows of the matrix: pixels, their numbers of entries, cells (n,) and weights (3, n)."""
-    levels = np.unique(counts).tolist()
-    parts = [_gather(surface[counts == count], count, setup) for count in levels]
-    pixel, cell, weights = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
-    key = pixel * setup.grid.column_count + cell
-    order = np.argsort(key, kind="stable")
-    key = key[order]
-    first = np.flatnonzero(np.diff(key, prepend=-1))
-    merged = np.add.reduceat(weights[:, order], first, axis=1) if len(first) else weights
-    pixel, cell = np.divmod(key[first], setup.grid.column_count)
-    return *np.unique(pixel, return_counts=True), cell.astype(np.int32), merged.astype(np.float32)
-
-
-def _gather(surface: Surface, count: int, setup: Setup) -> tuple[NDArray, NDArray, NDArray]:
-    """Light that reaches surface points: pixels (n,), cells (n,) and weights (3, n).
-
-    `count` is the number of samples of each strategy at each point.
-    """
-    u = _points(len(setup.offsets), count)[surface.ray]
-    points = [rotate(u, shift[surface.pixel]) for shift in setup.shifts]
-    light, density = combine(setup.strategies, points, surface, setup.power)
-    axes = setup.grid.axes(surface.normal, surface.view, surface.tangent)
-    along = light @ np.stack(axes, axis=-1)
-    at, sample = np.nonzero((along[..., 0] > 0) & (density > 0))
+def _rows(surface: Surface, counts: NDArray[np.int64], setup: Setup) -> tuple[NDArray, ...]:
+    """Rows of the matrix: pixels, their numbers of entries, columns (n,) and weights (3, n)."""
+    drawn = setup.draw(surface, counts)
     for reaches in setup.obstacles:
-        ends = surface.position[at], surface.geometric[at], light[at, sample]
-        free = reaches(setup.objects, *ends)
-        setup.counts["rays"] += len(at)
-        at, sample = at[free], sample[free]
-    along = along[at, sample]
-    factor = along[:, 0] / (density[at, sample] * len(setup.offsets))
-    weights = setup.environment.lookup(light[at, sample]).T * factor
-    index, share = setup.grid.columns(along, components(surface.view, axes), at)
+        rays = surface.position[drawn.point], surface.geometric[drawn.point], drawn.vectors.T
+        setup.counts["rays"] += len(drawn.point)
+        drawn = drawn[reaches(setup.objects, *rays)]
+    column, share = _columns(setup.grid, surface, drawn)
+    pixels, first = np.unique(surface.pixel, return_index=True)
+    ends = np.searchsorted(drawn.point, [*first[1:], len(surface)])
+    sums = row_sums.row_sums(
+        ends,
+        column,
+        share,
+        drawn.texel,
+        drawn.weight / setup.rays,
+        setup.environment.texels,
+        setup.grid.column_count.bit_length(),
+    )
+    return pixels, *sums
+
+
+def _columns(grid: Grid, surface: Surface, drawn: Directions) -> tuple[NDArray, NDArray]:
+    """Columns (n, k) of the matrix that light falls into, and shares, (0, 0) if k is 1."""
+    axes = grid.axes(surface.normal, surface.view, surface.tangent)
+    if type(grid) is HalfDifference:
+        normal, view, across = map(np.ascontiguousarray, axes)
+        cells = kernels.half_difference_cells(
+            drawn.vectors, drawn.point, normal, view, across, np.array(grid.shape)
+        )
+        return cells[:, None], np.empty((0, 0))
+    along = [np.einsum("ij,ji->i", axis[drawn.point], drawn.vectors) for axis in axes]
+    index, share = grid.columns(
+        np.stack(along, axis=-1), components(surface.view, axes), drawn.point.astype(np.intp)
+    )
     if share is None:
-        return surface.pixel[at], index, weights
-    pixel = np.repeat(surface.pixel[at], index.shape[1])
-    return pixel, index.ravel(), (weights[..., None] * share).reshape(3, -1)
-
-
-@cache
-def _points(rays: int, count: int) -> NDArray[np.float64]:
-    """Points of the unit square for each camera ray of a pixel, shape (rays, count, 2)."""
-    points = low_discrepancy(rays * count).reshape(rays, count, 2)
-    # In the order of x, so that neighbours in memory search the same part of the light.
-    return np.take_along_axis(points, np.argsort(points[..., :1], axis=1), axis=1)
+        return index[:, None], np.empty((0, 0))
+    return index, share

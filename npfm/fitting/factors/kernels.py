@@ -7,45 +7,16 @@ G at theta_i and theta_o, linearly between the nodes `node` and `node + 1` at `p
 They are compiled, or taken from numba's cache, when this module is imported: before any clock runs.
 """
 
-import warnings
-from collections.abc import Callable
-from functools import cache
-from typing import TypeVar, cast
-
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from npfm.errors import NpfmWarning
+from npfm.compilation import compiled
 
 Array = NDArray[np.float64]
-Pass = TypeVar("Pass", bound=Callable)
 
 #: Types of what every pass takes: weight, weighted_value, node_i, part_i, node_o, part_o and
 #: inverse_cosines.
 SAMPLES = "f8[:,::1], f8[:,::1], i2[:,::1], f8[:,::1], i2[:,::1], f8[:,::1], f8[:,::1]"
-UNCACHED = (
-    "compiled code cannot be kept, and each process compiles for some seconds; "
-    "set NUMBA_CACHE_DIR to a folder that can be written"
-)
-
-
-@cache
-def _warn_once() -> None:
-    warnings.warn(UNCACHED, NpfmWarning, stacklevel=1)
-
-
-def compiled(signature: str) -> Callable[[Pass], Pass]:
-    """Return a decorator that compiles for a signature at once, cached where that is possible."""
-
-    def decorated(function: Pass) -> Pass:
-        try:
-            return cast(Pass, njit(signature, cache=True)(function))
-        except (RuntimeError, OSError):  # numba finds no place for it, or the place is full
-            _warn_once()
-            return cast(Pass, njit(signature)(function))
-
-    return decorated
 
 
 @compiled(f"({SAMPLES}, f8[::1])")

@@ -8,7 +8,7 @@ They are compiled as those of one channel are (`npfm.fitting.factors.kernels`).
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fitting.factors.kernels import compiled
+from npfm.compilation import compiled
 
 Array = NDArray[np.float64]
 Nodes = NDArray[np.int16]

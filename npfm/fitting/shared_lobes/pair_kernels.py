@@ -6,7 +6,7 @@ They are beside those of `npfm.fitting.shared_lobes.kernels`, and compiled as th
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.fitting.factors.kernels import compiled
+from npfm.compilation import compiled
 
 Array = NDArray[np.float64]
 Nodes = NDArray[np.int16]

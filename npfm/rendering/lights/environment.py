@@ -56,8 +56,8 @@ class Environment:
     @cached_property
     def solid_angle(self) -> NDArray[np.float64]:
         """Solid angle of a texel of each row in steradian, shape (rows,)."""
-        rows, columns, _ = self.radiance.shape
-        return -np.diff(_cosines(rows)) * (2 * np.pi / columns)
+        columns = self.radiance.shape[1]
+        return -np.diff(self.heights) * (2 * np.pi / columns)
 
     @cached_property
     def density(self) -> NDArray[np.float64]:
@@ -66,15 +66,21 @@ class Environment:
         return (luminance / (self.solid_angle @ luminance.sum(axis=1))).ravel()
 
     @cached_property
-    def _cumulative(self) -> NDArray[np.float64]:
+    def heights(self) -> NDArray[np.float64]:
+        """Cosines of the polar angles between rows, from +1 to -1, shape (rows + 1,)."""
+        return _cosines(len(self.radiance))
+
+    @cached_property
+    def cumulative(self) -> NDArray[np.float64]:
         """Probability that the sampled texel comes before texel k, shape (texels + 1,)."""
         columns = self.radiance.shape[1]
         cumulative = np.cumsum(self.density * np.repeat(self.solid_angle, columns))
         return np.concatenate([[0.0], cumulative])
 
     @cached_property
-    def _flat_radiance(self) -> NDArray[np.floating]:
-        return np.ascontiguousarray(self.radiance).reshape(-1, 3)
+    def texels(self) -> NDArray[np.float64]:
+        """Radiance of the texels, row by row, shape (rows * columns, 3)."""
+        return np.ascontiguousarray(self.radiance, dtype=float).reshape(-1, 3)
 
     def texel(self, direction: NDArray) -> NDArray[np.intp]:
         """Flat index of the texel that each unit vector points into.
@@ -110,7 +116,7 @@ class Environment:
         ndarray, shape (..., 3)
             Linear RGB radiance.
         """
-        return self._flat_radiance[self.texel(direction)]
+        return self.texels[self.texel(direction)]
 
     def pdf(self, direction: NDArray) -> NDArray[np.float64]:
         """Probability density with which `sample` draws the given directions.
@@ -143,14 +149,14 @@ class Environment:
         ndarray, shape (n, 3)
             Unit vectors pointing towards the light.
         """
-        rows, columns, _ = self.radiance.shape
-        cumulative = self._cumulative
+        columns = self.radiance.shape[1]
+        cumulative = self.cumulative
         row_starts = np.ascontiguousarray(cumulative[::columns])
         row, down = _invert(row_starts, u[:, 0])
         start = row_starts[row]
         texel, across = _invert(cumulative, start + u[:, 1] * (row_starts[row + 1] - start))
         row, column = np.divmod(texel, columns)
-        edges = _cosines(rows)
+        edges = self.heights
         y = edges[row] + down * (edges[row + 1] - edges[row])
         radius = np.sqrt((1 - y) * (1 + y))
         azimuth = (column + across) * (2 * np.pi / columns) - np.pi

@@ -30,7 +30,7 @@ class HalfVectorSampling:
 
     def sample(self, u: Array, at: Shading) -> Array:
         """Light directions (p, m, 3) of points `u` (p, m, 2) of the unit square."""
-        theta_o, limit, count = self._range(at)
+        theta_o, limit, count = self.range(at)
         position = u[..., 0] * count
         k = np.minimum(position.astype(int), count - 1)
         upper, lower = self._cosines(k, limit)
@@ -44,7 +44,7 @@ class HalfVectorSampling:
 
         That of the half vector over 4 (o . h), Walter et al. 2007, equation 14.
         """
-        theta_o, limit, count = self._range(at)
+        theta_o, limit, count = self.range(at)
         cos_i, cos_io = np.moveaxis(light @ np.stack([at.normal, at.view], axis=-1), -1, 0)
         above = cos_i > 0
         cos_d = np.sqrt((1 + np.where(above, cos_io, 0)) / 2)
@@ -56,7 +56,7 @@ class HalfVectorSampling:
         azimuths = 2 * np.maximum(azimuth_limit(theta_h, theta_o), 1e-9)
         return np.where(above, 1 / (count * (upper - lower) * azimuths * 4 * cos_d), 0)
 
-    def _range(self, at: Shading) -> tuple[Array, Array, NDArray[np.int64]]:
+    def range(self, at: Shading) -> tuple[Array, Array, NDArray[np.int64]]:
         """theta_o, the largest useful theta_h and the number of bins up to it, each (p, 1)."""
         theta_o = np.arccos(np.clip(at.cos_o, 0, 1))[:, None]
         limit = (np.pi / 2 + theta_o) / 2

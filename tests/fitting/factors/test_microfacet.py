@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from npfm.datasets import synthetic
-from npfm.errors import NpfmWarning
 from npfm.fitting.factors import kernels
 from npfm.fitting.factors.microfacet import G_NODES, G_THETA, elevations, kernel, tabulate_channel
 from npfm.fitting.factors.problem import Factors, State
@@ -49,18 +48,6 @@ def test_nothing_is_compiled_while_a_fit_is_timed(function):
     with pytest.raises(TypeError, match="No matching definition"):
         function(*others)
     assert len(function.signatures) == 1
-
-
-def test_a_cache_that_is_full_is_done_without(monkeypatch):
-    def full(signature, cache=False):
-        if cache:
-            raise OSError(28, "No space left on device")
-        return lambda function: function
-
-    monkeypatch.setattr(kernels, "njit", full)
-    kernels._warn_once.cache_clear()
-    with pytest.warns(NpfmWarning, match="NUMBA_CACHE_DIR"):
-        assert kernels.compiled("f8(f8)")(abs) is abs
 
 
 VALUES = {IndependentGProblem: microfacet, GFromDProblem: microfacet, NaiveProblem: naive}
