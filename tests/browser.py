@@ -18,7 +18,13 @@ READING = "GL Driver Message (OpenGL, Performance"
 REPORT = "report-of-the-test"
 
 
-def opened(page: Path, script: str, at: str = "", size: tuple[int, int] = (1280, 1000)) -> Any:
+def opened(
+    page: Path,
+    script: str,
+    at: str = "",
+    size: tuple[int, int] = (1280, 1000),
+    seconds: float = 120,
+) -> Any:
     """Open a page from disk, run a script in it, and return what that finds.
 
     Parameters
@@ -31,6 +37,8 @@ def opened(page: Path, script: str, at: str = "", size: tuple[int, int] = (1280,
         What follows ``#`` in the address.
     size : tuple of int
         Width and height of the window in pixels.
+    seconds : float
+        How long it may take.
 
     Returns
     -------
@@ -54,7 +62,7 @@ def opened(page: Path, script: str, at: str = "", size: tuple[int, int] = (1280,
     }})();</script>"""
     copy.write_text(page.read_text(encoding="utf-8") + probe, encoding="utf-8")
     try:
-        found = _run(program, f"{copy.absolute().as_uri()}{'#' * bool(at)}{at}", size)
+        found = _run(program, f"{copy.absolute().as_uri()}{'#' * bool(at)}{at}", size, seconds)
     finally:
         copy.unlink()
     assert "error" not in found, found["error"]
@@ -62,14 +70,14 @@ def opened(page: Path, script: str, at: str = "", size: tuple[int, int] = (1280,
     return found["value"]
 
 
-def _run(program: str, address: str, size: tuple[int, int]) -> Any:
+def _run(program: str, address: str, size: tuple[int, int], seconds: float) -> Any:
     call = [
         *(program, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"),
         "--enable-unsafe-swiftshader",
         *(f"--window-size={size[0]},{size[1]}", f"--virtual-time-budget={BUDGET}"),
         *("--enable-logging=stderr", "--log-level=0", "--dump-dom", address),
     ]
-    done = subprocess.run(call, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(call, capture_output=True, text=True, timeout=seconds)
     lines = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
     said = [line for line in lines if READING not in line]
     assert not said, said

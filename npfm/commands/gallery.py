@@ -8,19 +8,23 @@ from npfm.commands.outputs import output
 from npfm.datasets import published_factors
 from npfm.errors import NpfmError
 from npfm.evaluation import quality, tables
-from npfm.exports.gallery import material, overview
+from npfm.exports.gallery import demo, figure, material, overview
 from npfm.exports.gallery.page import PAGE
 from npfm.exports.gallery.pixels import THUMBNAILS
 from npfm.figures import style
+from npfm.reflectance.merl import read_binary
 
 #: What a digest covers beside this file (`npfm.run.provenance`).
 CODE = (
     "npfm.commands.outputs",
     "npfm.evaluation.quality",
     "npfm.evaluation.tables",
+    "npfm.exports.gallery.demo",
+    "npfm.exports.gallery.figure",
     "npfm.exports.gallery.material",
     "npfm.exports.gallery.overview",
     "npfm.datasets.published_factors",
+    "npfm.reflectance.merl",
 )
 EXAMPLE = """\
 examples:
@@ -28,42 +32,77 @@ examples:
       --variants independent-g naive --quality chrome.csv -o gallery/materials/chrome.html
   python -m npfm gallery overview neural-10 --quality quality.csv --fits fits.csv \\
       --summary summary.csv --materials materials.csv -o gallery/index.html
+  python -m npfm gallery demo neural-10 --run results/neural-10 --scenes A=1,2.2 \\
+      --lights grace.exr --fits fits.csv --measured chrome -o gallery/demo.html
+  python -m npfm gallery table chrome.binary -o gallery/tables/chrome.js
+  python -m npfm gallery figure --mesh bunny.ply -o gallery/figure.js
 A page is one file that a browser opens from disk, without a server and without a request to
-anywhere. material also writes chrome.jpg, the small pictures that the overview shows.
+anywhere. material also writes chrome.jpg, the small pictures that the overview shows; table and
+figure write scripts that the demo loads when a measurement or a figure is to be seen.
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.epilog = EXAMPLE
-    kinds = parser.add_subparsers(dest="kind", required=True, metavar="material|overview")
-    one, all_ = kinds.add_parser("material"), kinds.add_parser("overview")
+    kinds = parser.add_subparsers(dest="kind", required=True, metavar="|".join(KINDS))
+    one, all_, demo_, table, shape = (kinds.add_parser(kind) for kind in KINDS)
     one.add_argument("material", help="the material")
-    one.add_argument("--run", required=True, help="folder of the run")
-    one.add_argument(
-        "--scenes",
-        nargs="+",
-        required=True,
-        metavar="NAME=EXPOSURE,GAMMA",
-        help="the scenes that are shown, and the tone map of each at first",
-    )
     one.add_argument("--variants", nargs="+", required=True, help="the fits that are shown")
     one.add_argument("--published", help="published factors (.npz), to be drawn dashed")
-    all_.add_argument("name", help="what the run is called")
-    all_.add_argument("--fits", required=True, help="CSV made by npfm tables fits")
+    for kind in (all_, demo_):
+        kind.add_argument("name", help="what the run is called")
+        kind.add_argument("--fits", required=True, help="CSV made by npfm tables fits")
     all_.add_argument("--summary", required=True, help="CSV made by npfm tables summary")
     all_.add_argument("--materials", help="CSV made by npfm tables materials, for the diffuseness")
-    for kind, beside in ((one, THUMBNAILS), (all_, None)):
-        kind.add_argument("--quality", required=True, help="CSV made by npfm quality")
-        style.add_colors(kind)
+    demo_.add_argument(
+        "--lights", nargs="+", required=True, help="lights of the scenes (.exr), in their order"
+    )
+    demo_.add_argument(
+        "--measured",
+        nargs="*",
+        default=[],
+        metavar="MATERIAL",
+        help="materials that there is a table of in the folder tables beside the page",
+    )
+    demo_.add_argument(
+        "--figure", action="store_true", help="there is figure.js beside the page to be seen"
+    )
+    table.add_argument("table", help="measured table (.binary)")
+    shape.add_argument("--mesh", type=Path, help="of the figure; the project's own otherwise")
+    for kind in (one, demo_):
+        kind.add_argument("--run", required=True, help="folder of the run")
         kind.add_argument(
-            "-o", "--output", type=output(PAGE, beside=beside), required=True, help="page to write"
+            "--scenes",
+            nargs="+",
+            required=True,
+            metavar="NAME=EXPOSURE,GAMMA",
+            help="the scenes that are shown, and the tone map of each at first",
+        )
+    for kind in (one, all_):
+        kind.add_argument("--quality", required=True, help="CSV made by npfm quality")
+        kind.add_argument("--demo", action="store_true", help="link to demo.html of the gallery")
+    for kind in (one, all_, demo_):
+        style.add_colors(kind)
+    for kind, written, beside in (
+        (one, PAGE, THUMBNAILS),
+        (all_, PAGE, None),
+        (demo_, PAGE, None),
+        (table, demo.TABLE, None),
+        (shape, figure.FIGURE, None),
+    ):
+        kind.add_argument(
+            "-o",
+            "--output",
+            type=output(written, beside=beside),
+            required=True,
+            help=f"{written.name} to write ({written.suffix})",
         )
 
 
 def run(arguments: argparse.Namespace) -> str:
     """Write the page; return how large it is."""
-    (_material if arguments.kind == "material" else _overview)(arguments)
+    KINDS[arguments.kind](arguments)
     return f"{Path(arguments.output).stat().st_size / 1e6:.1f} MB"
 
 
@@ -78,6 +117,7 @@ def _material(a: argparse.Namespace) -> None:
         quality.read(a.quality),
         published,
         style.colors(a),
+        demo=a.demo,
     )
 
 
@@ -93,7 +133,25 @@ def _overview(a: argparse.Namespace) -> None:
         dict(zip(sizes.variant, sizes.bytes.astype(int), strict=True)),
         {} if diffuse is None else dict(zip(diffuse.material, diffuse.diffuseness, strict=True)),
         style.colors(a),
+        demo=a.demo,
     )
+
+
+def _demo(a: argparse.Namespace) -> None:
+    if len(a.lights) != len(a.scenes):
+        raise NpfmError(f"{len(a.scenes)} scenes and {len(a.lights)} lights; give one to each")
+    made = tables.read(a.fits, ["material", "variant"], [])
+    scenes = list(zip(map(_scene, a.scenes), a.lights, strict=True))
+    colors = style.colors(a)
+    demo.write(a.output, a.name, a.run, scenes, made, a.measured, colors, figure=a.figure)
+
+
+def _table(a: argparse.Namespace) -> None:
+    demo.write_table(a.output, read_binary(a.table))
+
+
+def _figure(a: argparse.Namespace) -> None:
+    figure.write(a.output, a.mesh)
 
 
 def _scene(given: str) -> material.Scene:
@@ -113,3 +171,12 @@ def _scene(given: str) -> material.Scene:
     if not (0 < scene.exposure < float("inf") and 0 < scene.gamma < float("inf")):
         raise NpfmError(f"--scenes: '{given}': exposure and gamma are numbers above 0")
     return scene
+
+
+KINDS = {
+    "material": _material,
+    "overview": _overview,
+    "demo": _demo,
+    "table": _table,
+    "figure": _figure,
+}

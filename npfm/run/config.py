@@ -4,10 +4,12 @@ import os
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
 from npfm.errors import NpfmError, suggest
+from npfm.exports import registry as exports
 from npfm.fitting import registry
 from npfm.fitting.solvers.choice import module_of as solver_module
 from npfm.reflectance.grids import Grid
@@ -95,6 +97,30 @@ class Run:
     def fits(self) -> list[tuple[str, str]]:
         """All fits: material and variant."""
         return [(name, variant) for name in self.materials for variant in self.variants_of(name)]
+
+    @property
+    def has_demo(self) -> bool:
+        """Whether a variant is of a model that the demo of the gallery renders."""
+        shown = exports.declared("glsl").models
+        models = {variant.model for variant in self.variants.values()}
+        return not self.grid.anisotropic and not models.isdisjoint(shown)
+
+    @property
+    def demo_option(self) -> list[str]:
+        """Argument of ``npfm gallery`` for pages that link to the demo, if there is one."""
+        return ["--demo"] if self.has_demo else []
+
+    @property
+    def demo_tables(self) -> list[str]:
+        """Materials whose measured tables the demo has."""
+        wanted = self.config["gallery"]["measured"] if self.has_demo else []
+        return [name for name in self.materials if any(fnmatchcase(name, w) for w in wanted)]
+
+    @property
+    def demo_figure(self) -> list[str]:
+        """The first scene that has a figure, which is that of the demo: one, or none."""
+        scenes = self.config["scenes"].items() if self.has_demo else ()
+        return [name for name, scene in scenes if "figure" in scene["objects"]][:1]
 
     @property
     def missing_option(self) -> list[str]:
@@ -225,6 +251,11 @@ class Run:
         mesh = self.config["scenes"][scene].get("mesh")
         return [as_input(self.user_file(mesh))] if mesh else []
 
+    def mesh_option(self, scene: str) -> list[str]:
+        """Argument that names the mesh of the figure of a scene, if it has one of its own."""
+        mesh = self.config["scenes"][scene].get("mesh")
+        return ["--mesh", path_word(self.user_file(mesh))] if mesh else []
+
     def light(self, scene: str) -> str:
         """The light of a scene, as a file of the run."""
         return f"{self.folder}/lights/{self.config['scenes'][scene]['light']}.exr"
@@ -246,11 +277,11 @@ class Run:
     def scene_options(self, scene: str) -> list[str]:
         """Arguments of ``npfm scene`` for a scene."""
         described = self.config["scenes"][scene]
-        mesh, sampled = described.get("mesh"), described.get("sampling", {})
+        sampled = described.get("sampling", {})
         return [
             *("--objects", *described["objects"]),
             *option("--effects", _scene(described).built),
-            *(["--mesh", path_word(self.user_file(mesh))] if mesh else []),
+            *self.mesh_option(scene),
             *self.grid_options,
             *("--resolution", f"{self.config['resolution']}"),
             *("--samples", f"{described['samples']}"),
@@ -285,11 +316,10 @@ class Run:
     def bounced_options(self, scene: str) -> list[str]:
         """Arguments of ``npfm interreflect`` for a scene."""
         described = self.config["scenes"][scene]
-        mesh = described.get("mesh")
         return [
             *("--objects", *described["objects"]),
             *option("--effects", _scene(described).built),
-            *(["--mesh", path_word(self.user_file(mesh))] if mesh else []),
+            *self.mesh_option(scene),
             *("--resolution", f"{self.config['resolution']}"),
             *(["--paths", f"{described['paths']}"] if "paths" in described else []),
             *(["--seed", f"{described['seed']}"] if "seed" in described else []),

@@ -106,6 +106,13 @@ CALLS = {
         " -o {out}/a.html",
         "a.html",
     ),
+    "gallery demo": (
+        "mine --run {made} --scenes A=1,2 --lights {made}/grove.exr --fits {made}/fits.csv"
+        " -o {out}/a.html",
+        "a.html",
+    ),
+    "gallery figure": ("-o {out}/a.js", "a.js"),
+    "gallery table": ("{made}/chalk.binary -o {out}/a.js", "a.js"),
     "figure figure04": ("-o {out}/a.pdf {out}/a.png", "a.pdf", "a.png"),
     "reproduction": (
         "--run {made} --dataset synthetic --psnr {made}/psnr.csv --summary {made}/summary.csv"

@@ -135,6 +135,7 @@ CALLS = [
         "gallery material chalk --run . --scenes A=1,2 --variants naive --quality quality.csv"
         " -o x.html",
     ),
+    ("gallery", [], "gallery table chalk.binary -o x.js"),
     (
         "perception",
         [],

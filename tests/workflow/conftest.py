@@ -42,6 +42,7 @@ CONFIG = {
         "samples": [2, 4],
         "reference_samples": 16,
     },
+    "gallery": {"measured": ["*"]},
     "bounces": {
         "materials": ["chalk"],
         "resolution": 4,

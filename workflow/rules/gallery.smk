@@ -1,8 +1,10 @@
 from npfm.exports.gallery.page import templates
+from npfm.exports.shaders.shader import files as shader_files
 
 
 localrules:
     gallery_overview,
+    gallery_demo,
 
 
 use rule npfm as gallery_material with:
@@ -32,6 +34,7 @@ use rule npfm as gallery_material with:
             *option("--scenes", RUN.tones),
             *option("--variants", RUN.variants_of(wildcards.material)),
             *RUN.colors_option,
+            *RUN.demo_option,
         ],
 
 
@@ -56,10 +59,71 @@ use rule npfm as gallery_overview with:
             *option("--materials", input.materials),
             *("-o", *output),
         ],
-        options=[RUN.config["name"], *RUN.colors_option],
+        options=[RUN.config["name"], *RUN.colors_option, *RUN.demo_option],
+
+
+use rule npfm as gallery_demo with:
+    input:
+        templates=[
+            as_input(str(path)) for path in [*templates("demo"), *shader_files()]
+        ],
+        fits=rules.fits_table.output,
+        stored=[
+            f"{OUT}/fits/{variant}/{material}.npz" for material, variant in RUN.fits
+        ],
+        lights=list(dict.fromkeys(map(RUN.light, RUN.scenes))),
+    output:
+        f"{OUT}/gallery/demo.html",
+    log:
+        f"{OUT}/logs/gallery/demo.log",
+    params:
+        verb="gallery demo",
+        code=command_code("gallery"),
+        files=lambda wildcards, input, output: [
+            *("--fits", *input.fits),
+            *("--lights", *map(RUN.light, RUN.scenes)),
+            *("-o", *output),
+        ],
+        options=[
+            *(RUN.config["name"], "--run", OUT),
+            *option("--scenes", RUN.tones),
+            *option("--measured", RUN.demo_tables),
+            *(["--figure"] if RUN.demo_figure else []),
+            *RUN.colors_option,
+        ],
+
+
+use rule npfm as gallery_table with:
+    input:
+        rules.material.output,
+    output:
+        f"{OUT}/gallery/tables/{{material}}.js",
+    log:
+        f"{OUT}/logs/gallery/tables/{{material}}.log",
+    params:
+        verb="gallery table",
+        code=command_code("gallery"),
+        files=lambda wildcards, input, output: [*input, "-o", *output],
+
+
+use rule npfm as gallery_figure with:
+    input:
+        [path for scene in RUN.demo_figure for path in RUN.mesh(scene)],
+    output:
+        f"{OUT}/gallery/figure.js",
+    log:
+        f"{OUT}/logs/gallery/figure.log",
+    params:
+        verb="gallery figure",
+        code=command_code("gallery"),
+        files=lambda wildcards, input, output: ["-o", *output],
+        options=[word for scene in RUN.demo_figure for word in RUN.mesh_option(scene)],
 
 
 rule gallery:
     input:
         rules.gallery_overview.output,
         expand(rules.gallery_material.output, material=RUN.materials),
+        rules.gallery_demo.output if RUN.has_demo else [],
+        rules.gallery_figure.output if RUN.demo_figure else [],
+        expand(rules.gallery_table.output, material=RUN.demo_tables),

@@ -41,6 +41,8 @@ def write(
     values: pd.DataFrame,
     published: Mapping[str, NDArray],
     colors: Mapping[str, str],
+    *,
+    demo: bool = False,
 ) -> None:
     """Write the page of a material, and beside it the small pictures of the overview.
 
@@ -60,6 +62,8 @@ def write(
         Published factors of the material, if there are any.
     colors : mapping of str to str
         Of some variants, in place of the project's.
+    demo : bool
+        Whether the gallery has one, to link to.
 
     Raises
     ------
@@ -80,6 +84,7 @@ def write(
         "variants": _variants(run, material, variants, published, colors),
         "metrics": metrics(values[values.material == material]),
         "errors": {"largest": LARGEST_ERROR, "colors": _color_map()},
+        "demo": demo,
     }
     pixels.write_thumbnails(Path(path).with_suffix(pixels.THUMBNAILS.suffix), small)
     page.write(path, "material", material, data, [p.content for p in packed])

@@ -32,6 +32,8 @@ def write(
     sizes: Mapping[str, int],
     diffuseness: Mapping[str, float],
     colors: Mapping[str, str],
+    *,
+    demo: bool = False,
 ) -> None:
     """Write the first page; the pages of the materials are in ``materials/`` beside it.
 
@@ -51,6 +53,8 @@ def write(
         By material; empty where it is not known.
     colors : mapping of str to str
         Of some variants, in place of the project's.
+    demo : bool
+        Whether the gallery has one, to link to.
 
     Raises
     ------
@@ -67,6 +71,7 @@ def write(
         "materials": _materials(values, diffuseness),
         "quantities": [*_metrics(values), *_of_fits(values, fits)],
         "first": FIRST,
+        "demo": demo,
     }
     page.write(path, "overview", f"Gallery of the run {name}", data)
 

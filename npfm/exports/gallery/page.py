@@ -8,7 +8,7 @@ lie beside it.
 import base64
 import html
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -21,10 +21,11 @@ PAGE = Kind("a page of the gallery", ".html", marked(GENERATOR.encode()))
 #: Beside the modules: what pages share, and the markup and script of each.
 FOLDER = Path(__file__).parent / "templates"
 SHARED = ("page.html", "page.css", "page.js")
-#: Nothing but the page's own style and scripts, and pictures from where the page is.
+#: Nothing but the page's own style and scripts, and what lies beside it, on a disk or a server.
+BESIDE = "file: 'self'"
 POLICY = (
-    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
-    "img-src file: data:; base-uri 'none'; form-action 'none'"
+    "default-src 'none'; script-src 'unsafe-inline'{scripts}; style-src 'unsafe-inline'; "
+    f"img-src {BESIDE} data:; base-uri 'none'; form-action 'none'"
 )
 #: Characters that would end a script early, or a line of one in old browsers.
 UNSAFE = {ord(c): f"\\u{ord(c):04x}" for c in "<>&\u2028\u2029"}
@@ -32,7 +33,13 @@ UNSAFE = {ord(c): f"\\u{ord(c):04x}" for c in "<>&\u2028\u2029"}
 
 def templates(page: str) -> list[Path]:
     """Files that a page is made from: a change of one is a change of the page."""
-    return [FOLDER / name for name in (*SHARED, f"{page}.html", f"{page}.css", f"{page}.js")]
+    own = [f"{page}.html", f"{page}.css", *_scripts(page)]
+    return [*(FOLDER / name for name in (*SHARED, *own)), *sorted(FOLDER.glob(f"{page}_*.glsl"))]
+
+
+def _scripts(page: str) -> list[str]:
+    """Names of the scripts of a page, in their order: the one of its own name runs last."""
+    return [*sorted(path.name for path in FOLDER.glob(f"{page}_*.js")), f"{page}.js"]
 
 
 def as_json(data: Any) -> str:
@@ -59,7 +66,9 @@ def write(
     page: str,
     title: str,
     data: Mapping[str, Any],
-    binaries: Sequence[bytes] = (),
+    binaries: Iterable[bytes] = (),
+    *,
+    scripts_beside: bool = False,
 ) -> None:
     """Write a page.
 
@@ -73,32 +82,35 @@ def write(
         In the bar of the browser, as the user wrote it.
     data : mapping
         What the script reads as ``DATA``.
-    binaries : sequence of bytes
+    binaries : iterable of bytes
         What it reads as ``binary(0)``, ``binary(1)`` and so on.
+    scripts_beside : bool
+        Whether it may load scripts that lie beside it.
     """
-    text = _template("page.html").substitute(
+    whole = Template(text("page.html")).substitute(
         generator=GENERATOR,
-        policy=POLICY,
+        policy=POLICY.format(scripts=f" {BESIDE}" if scripts_beside else ""),
         title=html.escape(title),
-        style=_read("page.css") + _read(f"{page}.css"),
-        body=_read(f"{page}.html"),
+        style=text("page.css") + text(f"{page}.css"),
+        body=text(f"{page}.html"),
         data=as_json(data),
         binaries="\n".join(_binaries(binaries)),
-        script=_read("page.js") + _read(f"{page}.js"),
+        script="".join(map(text, ("page.js", *_scripts(page)))),
     )
     with replacing(path, PAGE) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
+        temporary.write_text(whole, encoding="utf-8", newline="\n")
 
 
 def _binaries(binaries: Iterable[bytes]) -> Iterable[str]:
     for k, content in enumerate(binaries):
-        text = base64.b64encode(content).decode()
-        yield f'<script type="text/plain" id="binary-{k}">{text}</script>'
+        yield f'<script type="text/plain" id="binary-{k}">{base64_of(content)}</script>'
 
 
-def _template(name: str) -> Template:
-    return Template(_read(name))
+def base64_of(content: bytes) -> str:
+    """Bytes as ASCII, for ``atob``."""
+    return base64.b64encode(content).decode()
 
 
-def _read(name: str) -> str:
+def text(name: str) -> str:
+    """Return what a file of the templates says."""
     return (FOLDER / name).read_text(encoding="utf-8")

@@ -13,11 +13,6 @@ const HALF = Float32Array.from({ length: 65536 }, (_, word) => {
   return sign * (exponent ? 2 ** (exponent - 25) * (1024 + fraction) : 2 ** -24 * fraction);
 });
 
-async function inflated(bytes) {
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
-}
-
 // Pictures of a scene as words, channel by channel; npfm/exports/gallery/pixels.py packs them.
 async function pictures(scene) {
   if (!cache.has(scene)) cache.set(scene, inflated(binary(scene)).then((bytes) => unpacked(bytes, DATA.scenes[scene])));
@@ -336,6 +331,8 @@ function listen() {
 
 function begin() {
   byId("title").textContent = DATA.material;
+  byId("demo").hidden = !DATA.demo;
+  byId("demo").href = `../demo.html#${new URLSearchParams({ material: DATA.material })}`;
   byId("run").textContent = `in the run ${DATA.run}`;
   byId("flip").max = NAMES.length - 1;
   byId("scenes").append(...DATA.scenes.map((scene, k) => element("button", { onclick: () => changeScene(k) }, `scene ${scene.name}`)));

@@ -259,6 +259,7 @@ function draw() {
 }
 
 function begin() {
+  byId("demo").hidden = !DATA.demo;
   byId("title").textContent = `Gallery of the run ${DATA.run}`;
   byId("summary").textContent = [[DATA.materials, "material"], [VARIANTS, "variant"], [DATA.scenes, "scene"]]
     .map(([list, name]) => `${list.length} ${name}${list.length === 1 ? "" : "s"}`).join(", ");

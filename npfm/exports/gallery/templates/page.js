@@ -24,10 +24,20 @@ function byId(id) {
 }
 
 function binary(k) {
-  const text = atob(byId(`binary-${k}`).textContent);
+  return bytesOf(byId(`binary-${k}`).textContent);
+}
+
+// Bytes of their base 64.
+function bytesOf(coded) {
+  const text = atob(coded);
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
   return bytes;
+}
+
+async function inflated(bytes) {
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
 // Numbers as the tables have them.
