@@ -33,6 +33,8 @@ example:
   python -m npfm fit chrome.binary --model independent-g -o chrome.npz
 writes chrome.npz (float32 parameters; rho_d and rho_s in 1/sr) and chrome.json (seconds,
 iterations and objective of every start).
+  python -m npfm fit chrome.binary --model independent-g --iterations starts.npz -o chrome.npz
+also writes D, G and F of every start after each iteration, for npfm video page.
   python -m npfm fit chrome.binary --model abc-published --published low_lowmicrofacet_E2.fit \\
       -o chrome.npz
 takes the parameters that the file has for chrome, the name of the table. The objective is
@@ -52,6 +54,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=output(fits.FIT, beside=fits.RECORD),
         required=True,
         help="fit to write (.npz)",
+    )
+    parser.add_argument(
+        "--iterations",
+        type=output(fits.ITERATIONS),
+        help="file to write (.npz): D, G and F of every start after each iteration, "
+        "of independent-g and g-from-d",
     )
     parser.add_argument(
         "--solver",
@@ -106,16 +114,28 @@ def run(arguments: argparse.Namespace) -> str:
     own = _given(model, arguments)
     settings = SolverSettings(arguments.solver, arguments.tolerance, arguments.max_iterations)
     objective = Objective(not arguments.no_compressive, arguments.max_angle, arguments.cells)
+    if arguments.iterations and not model.solver:
+        raise NpfmError(f"'{arguments.model}' runs no iterations; leave --iterations out")
     with tqdm(desc=f"fit {arguments.model}", unit="start", disable=None) as progress:
         solve = chosen(settings, after_start=progress.update) if model.solver else _none
+        recorder = _recorder(solve) if arguments.iterations else None
         table = read_table(arguments.table)
         try:
             registry.check_grid(arguments.model, table.grid.kind)
-            fit = model.load().fit(table, objective, solve, arguments.seed, **own)
+            fit = model.load().fit(table, objective, recorder or solve, arguments.seed, **own)
         except NpfmError as error:
             raise NpfmError(f"{arguments.table}: {error}") from error
     fits.save(arguments.output, fit)
+    if recorder:
+        recorder.save(arguments.iterations, fit)
     return _summary(fit)
+
+
+def _recorder(solve: Any) -> Any:
+    """Return the solver with its states kept."""
+    from npfm.fitting.iterations import Recorder  # which other fits do not depend on
+
+    return Recorder(solve)
 
 
 def _summary(fit: Fit) -> str:

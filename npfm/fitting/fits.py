@@ -22,6 +22,9 @@ FORMAT = "npfm-fit-1"
 UNITS = "angles in radians, BRDF in 1/sr"
 FIT = Kind("a fit", ".npz", marked(b"format.npy", b"model.npy", b"units.npy", b"grid.npy"))
 RECORD = Kind("a record of a fit", ".json", marked(b'"model"', b'"parameters"', b'"channels"'))
+ITERATIONS = Kind(  # npfm.fitting.iterations, which only fits that are followed depend on
+    "a record of iterations", ".npz", marked(b"iterations.npy", b"names.npy", b"objective.npy")
+)
 #: What a file has beside the arrays of the model.
 ABOUT = ("format", "model", "units", "grid")
 #: A fit of more bytes than the largest table, MERL's in double precision, is none.

@@ -12,7 +12,7 @@ import pytest
 
 from npfm.__main__ import main
 from npfm.datasets import synthetic
-from npfm.fitting import fits
+from npfm.fitting import fits, iterations
 from npfm.fitting.objective import Objective
 from npfm.models import bivariate
 from npfm.reflectance.half_difference import MERL
@@ -133,6 +133,20 @@ def test_words_reach_the_model(capsys, tmp_path, felt):
 def test_settings_of_other_models_are_refused(capsys, tmp_path, felt, variant, option, value, said):
     call = "fit", felt, "--model", variant, option, value, "-o", tmp_path / "felt.npz"
     assert said in refused(capsys, tmp_path, *call)
+
+
+def test_iterations_are_written_beside_the_fit(capsys, tmp_path, felt):
+    call = "fit", felt, "--model", "g-from-d", "--max-iterations", 1, "-o", tmp_path / "felt.npz"
+    code, _, said = run(capsys, *call, "--iterations", tmp_path / "states.npz")
+    assert code == 0 and "states.npz" in said
+    assert {path.name for path in tmp_path.iterdir()} == {"felt.npz", "felt.json", "states.npz"}
+    assert iterations.load(tmp_path / "states.npz").names == ("slices", "slices-flat")
+
+
+def test_iterations_of_a_model_that_runs_none_are_refused(capsys, tmp_path, felt):
+    call = "fit", felt, "--model", "bivariate", "-o", tmp_path / "felt.npz"
+    said = refused(capsys, tmp_path, *call, "--iterations", tmp_path / "states.npz")
+    assert "'bivariate' runs no iterations; leave --iterations out" in said
 
 
 def test_tabulate_writes_the_fit_as_a_merl_file(capsys, tmp_path, felt):

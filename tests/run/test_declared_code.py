@@ -72,6 +72,11 @@ CALLS = [
     ),
     (
         "fit",
+        [*models("g-from-d"), module_of("gauss-newton"), "npfm.fitting.iterations"],
+        "fit chalk.binary --model g-from-d --max-iterations 1 --iterations y.npz -o x.npz",
+    ),
+    (
+        "fit",
         models("cook-torrance-published"),
         "fit chalk.binary --model cook-torrance-published --published x.fit -o x.npz",
     ),

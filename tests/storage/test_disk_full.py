@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from npfm.errors import NpfmError
 from npfm.evaluation import tables
 from npfm.figures import style
-from npfm.fitting import fits
+from npfm.fitting import fits, iterations
 from npfm.fitting.fits import Fit
 from npfm.reflectance.half_difference import MERL
 from npfm.reflectance.merl import write_binary
@@ -27,6 +27,9 @@ from npfm.reflectance.table import Table
 from npfm.rendering import transport
 from npfm.storage import pictures
 
+STATES = iterations.Iterations(
+    ("ones",), *[np.zeros(9)] * 3, *np.random.default_rng(1).random((4, 9, 90))
+)
 PICTURE = np.random.default_rng(1).random((32, 32, 3), dtype=np.float32)
 
 
@@ -53,6 +56,7 @@ WRITERS = {
     "a.png": lambda path: pictures.write_png(path, (255 * PICTURE).astype(np.uint8)),
     "a.csv": lambda path: tables.write(path, pd.DataFrame({"psnr_db": PICTURE.ravel()})),
     "a.npz": lambda path: fits.save(path, Fit("naive", {"H": PICTURE[..., 0]}, MERL)),
+    "states.npz": lambda path: iterations.save(path, STATES),
     "figure.pdf": write_figure,
     "figure.png": write_figure,
     "scene": write_scene,

@@ -12,7 +12,15 @@ from dataclasses import replace
 from npfm.fitting.fits import Trace
 from npfm.fitting.solvers.golden import golden_section
 from npfm.fitting.solvers.normal import status_at_rest
-from npfm.fitting.solvers.problem import NEGLIGIBLE, Problem, S, SolverSettings, Update
+from npfm.fitting.solvers.problem import (
+    NEGLIGIBLE,
+    Follower,
+    Problem,
+    S,
+    SolverSettings,
+    Update,
+    unfollowed,
+)
 
 
 def solve(
@@ -21,23 +29,30 @@ def solve(
     settings: SolverSettings,
     after_start: Callable[[], object] = lambda: None,
     ease: float = 1.0,
+    follow: Follower[S] = unfollowed,
 ) -> tuple[S, list[Trace]]:
     """Run AWLS from each start; the state with the lowest objective and all traces.
 
-    `after_start` is called when the run from a start has ended; the tolerance is that of the
-    settings times `ease`.
+    `after_start` is called when the run from a start has ended, `follow` after each iteration; the
+    tolerance is that of the settings times `ease`.
     """
     settings = replace(settings, tolerance=ease * settings.tolerance)
     runs = []
     for name, start in starts.items():
-        runs.append(minimise(problem, name, start, settings))
+        runs.append(minimise(problem, name, start, settings, follow))
         after_start()
     runs.sort(key=lambda run: run[1].objective[-1])
     return runs[0][0], [trace for _, trace in runs]
 
 
-def minimise(problem: Problem[S], name: str, state: S, settings: SolverSettings) -> tuple[S, Trace]:
-    """Run AWLS from one start.
+def minimise(
+    problem: Problem[S],
+    name: str,
+    state: S,
+    settings: SolverSettings,
+    follow: Follower[S] = unfollowed,
+) -> tuple[S, Trace]:
+    """Run AWLS from one start, and tell `follow` of it and of each iteration.
 
     Returns
     -------
@@ -47,6 +62,8 @@ def minimise(problem: Problem[S], name: str, state: S, settings: SolverSettings)
     """
     began = time.process_time()
     objectives, seconds = [problem.objective(state)], [0.0]
+    energy = problem.energy or 1.0
+    follow(name, 0, objectives[0] / energy, state)
     gss_calls, status = 0, "converged"
     for updates in problem.stages:
         decrease = float("inf")
@@ -62,6 +79,7 @@ def minimise(problem: Problem[S], name: str, state: S, settings: SolverSettings)
             decrease = objectives[-1] - current
             objectives.append(current)
             seconds.append(time.process_time() - began)
+            follow(name, len(objectives) - 1, current / energy, state)
     # Less is rounding: whether it comes out as 0 depends on the machine.
     if status == "converged" and decrease <= NEGLIGIBLE * problem.energy:
         status = status_at_rest(problem, state, objectives[-1], settings)

@@ -12,7 +12,14 @@ from dataclasses import replace
 
 from npfm.fitting.fits import Trace
 from npfm.fitting.solvers.normal import FIRST_DAMPING, status_at_rest, system
-from npfm.fitting.solvers.problem import NEGLIGIBLE, Problem, S, SolverSettings
+from npfm.fitting.solvers.problem import (
+    NEGLIGIBLE,
+    Follower,
+    Problem,
+    S,
+    SolverSettings,
+    unfollowed,
+)
 
 #: Several starts are compared on every n-th bin of phi_d, to so many times the tolerance.
 COARSE, COARSE_TOLERANCE = 6, 10.0
@@ -31,11 +38,12 @@ def solve(
     settings: SolverSettings,
     after_start: Callable[[], object] = lambda: None,
     ease: float = 1.0,
+    follow: Follower[S] = unfollowed,
 ) -> tuple[S, list[Trace]]:
     """Minimise from each start on thinned samples, then from the best on all of them.
 
-    `after_start` is called when the run from a start has ended; the tolerance is that of the
-    settings times `ease`.
+    `after_start` is called when the run from a start has ended, `follow` after each iteration; the
+    tolerance is that of the settings times `ease`.
 
     Returns
     -------
@@ -50,18 +58,25 @@ def solve(
     loose = replace(settings, tolerance=COARSE_TOLERANCE * settings.tolerance)
     runs = {}
     for name, start in starts.items():
-        runs[name] = minimise(coarse, name, coarse.unpack(problem.pack(start)), loose)
+        runs[name] = minimise(
+            coarse, name, coarse.unpack(problem.pack(start)), loose, follow=follow
+        )
         after_start()
     reached = {name: trace.objective[-1] for name, (_, trace) in runs.items()}
     best = next(name for name in runs if reached[name] <= min(reached.values()) + TIE)
     traces = {name: trace for name, (_, trace) in runs.items()}
     state = problem.unpack(coarse.pack(runs[best][0]))
-    state, trace = minimise(problem, best, state, settings, traces.pop(best))
+    state, trace = minimise(problem, best, state, settings, traces.pop(best), follow)
     return state, [replace(trace, compared=reached[best]), *traces.values()]
 
 
 def minimise(
-    problem: Problem[S], name: str, state: S, settings: SolverSettings, earlier: Trace | None = None
+    problem: Problem[S],
+    name: str,
+    state: S,
+    settings: SolverSettings,
+    earlier: Trace | None = None,
+    follow: Follower[S] = unfollowed,
 ) -> tuple[S, Trace]:
     """Run from one start.
 
@@ -71,6 +86,8 @@ def minimise(
         What to minimise, the start's name, the start, and when to stop.
     earlier : Trace, optional
         A run on thinned samples that led to `state`: its time and iterations are counted.
+    follow : callable, optional
+        Is told of the start and of each accepted step.
 
     Returns
     -------
@@ -80,6 +97,8 @@ def minimise(
     offset = earlier.seconds[-1] if earlier else 0.0
     began = time.process_time() - offset
     objectives, seconds = [problem.objective(state)], [offset]
+    energy = problem.energy or 1.0
+    follow(name, 0, objectives[0] / energy, state)
     damping, calm, status = FIRST_DAMPING, 0, "converged"
     while calm < PATIENCE:
         if len(objectives) > settings.max_iterations:
@@ -94,6 +113,7 @@ def minimise(
         calm = calm + 1 if objectives[-1] - reached <= enough else 0
         objectives.append(reached)
         seconds.append(time.process_time() - began)
+        follow(name, len(objectives) - 1, reached / energy, state)
     relative = tuple(value / problem.energy if problem.energy else 0.0 for value in objectives)
     iterations = len(objectives) - 1 + (earlier.iterations if earlier else 0)
     return state, Trace(name, status, iterations, 0, tuple(seconds), relative)

@@ -11,6 +11,9 @@ from npfm.fitting.fits import Trace
 
 S = TypeVar("S")
 Update = Callable[[S], S]
+#: Is told what a run has reached, at its start and after each iteration: the name of the start, the
+#: number of the iteration from 0, the objective as a share of the energy, and the state.
+Follower = Callable[[str, int, float, S], object]
 
 #: Share of the energy by which an iteration gains nothing, however small the objective: where a
 #: table is met all but exactly, the tolerance would ask for ever more digits of nearly nothing.
@@ -67,6 +70,10 @@ class Problem(Protocol[S]):
         """
 
 
+def unfollowed(start: str, iteration: int, objective: float, state: object) -> None:
+    """Follow no run."""
+
+
 @dataclass(frozen=True)
 class SolverSettings:
     """How to minimise.
@@ -103,6 +110,11 @@ class Solver(Protocol):
     """Runs every start and returns the best state, its settings applied."""
 
     def __call__(
-        self, problem: Problem[S], starts: Mapping[str, S], *, ease: float = 1.0
+        self,
+        problem: Problem[S],
+        starts: Mapping[str, S],
+        *,
+        ease: float = 1.0,
+        follow: Follower[S] = unfollowed,
     ) -> tuple[S, list[Trace]]:
         """Minimise `problem` from each of the named `starts`, to `ease` times the tolerance."""
