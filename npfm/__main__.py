@@ -41,6 +41,7 @@ VERBS = {
     "bounces": "a still life of five materials, by each way of choosing the directions of paths",
     "effects-cost": "what effects cost and change, switched off and on",
     "accuracy-cost": "tables of what accuracy costs in time",
+    "psnr-level": "the same fits by other foregrounds, resolutions and turns of the light",
     "factorisation": "how accurate the factors of tables and formulas are",
     "importance": "how noisy a material is in a light, by the way directions are chosen",
     "shared-lobes": "tables of what lobes that the channels share gain, and of sampling by D",

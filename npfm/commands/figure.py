@@ -46,6 +46,7 @@ FIGURES = {
     "settings": "PSNR (dB) and seconds against the number of starts and the tolerance",
     "bounces": "a still life by paths, whose directions are chosen in several ways",
     "effects_cost": "what each effect costs in each scene, and where it changes the picture",
+    "psnr_level": "PSNR (dB) by foreground, resolution and turn of the light, beside the paper's",
     "importance": "variance of every way of sampling, for every material, as maps",
     "improvement": "variance of ways of sampling over that of factored sampling, and as printed",
     "variance_samples": "variance of every way of sampling against samples a pixel",

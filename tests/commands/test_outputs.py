@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from npfm.__main__ import VERBS, main
-from npfm.evaluation import quality, stability, tables
+from npfm.evaluation import psnr_level, quality, stability, tables
 from npfm.evaluation.accuracy_cost import FITS
 from npfm.fitting import fits, registry
 from npfm.fitting.fits import Fit
@@ -132,6 +132,13 @@ CALLS = {
         "a.csv",
         "a.exr",
     ),
+    "psnr-level angles": ("--objects sphere --resolution 4 -o {out}/a.exr", "a.exr"),
+    "psnr-level measure": (
+        "{made}/chalk.binary --fits bivariate={made}/chalk.npz --scenes configured/A={made}/A"
+        " -o {out}/a.csv",
+        "a.csv",
+    ),
+    "psnr-level table": ("{made}/level.csv -o {out}/a.csv", "a.csv"),
     "factor": ("hapke-lommel --resolution 4x1x8x8 -o {out}/a.npz", "a.npz", "a.json"),
     "factorisation terms": (
         "ward-isotropic --most 1x1 --resolution 4x1x8x8 -o {out}/a.csv",
@@ -186,6 +193,8 @@ def folder(tmp_path_factory, table, light_file):
     variants = ["bivariate", "independent-g"]
     summary = pd.DataFrame({"variant": variants, "scene": "all", "bytes": 1000})
     tables.write(made / "summary.csv", summary)
+    rows = [("touched", "A", "chalk", "bivariate", 40.0, 1.0, 0.5)]
+    tables.write(made / "level.csv", pd.DataFrame(rows, columns=psnr_level.MEASURED))
     rows = [("chalk", "compared", "bivariate", "A", 1.0, 100, 40.0)]
     tables.write(made / "compared.csv", pd.DataFrame(rows, columns=FITS))
     rows = pd.DataFrame(columns=stability.COLUMNS)

@@ -174,6 +174,14 @@ CALLS = [
         "effects-cost compare scenes/A --tables chalk.binary --fits fits/naive/chalk.npz"
         " -o x.csv --pictures y.exr",
     ),
+    ("psnr-level angles", [], "psnr-level angles --objects sphere --resolution 4 -o x.exr"),
+    (
+        "psnr-level measure",
+        models("naive"),
+        "psnr-level measure chalk.binary --fits naive=fits/naive/chalk.npz"
+        " --scenes configured/A=scenes/A -o x.csv",
+    ),
+    ("psnr-level table", [], "psnr-level table level.csv -o x.csv"),
     ("factor", [], "factor hapke-lommel --resolution 4x1x8x8 -o x.npz"),
     (
         "factorisation",
@@ -243,6 +251,8 @@ def folder(tmp_path_factory, light_file):
     said = "METHOD;BRDF;DISTANCE\nGGX;chalk;0.5\nGGX;slate;0.25\n"
     (folder / "PerceptualDistances.csv").write_text(said)
     (folder / "MaterialType.csv").write_text("BRDF;Type\nchalk;Stone\n")
+    columns = "setting,scene,material,variant,psnr_db,peak,grazing_share"
+    (folder / "level.csv").write_text(f"{columns}\ntouched,A,chalk,naive,40,1,\n")
     columns = "case,variant,solver,status,finite,objective,objective_floor,condition,seconds"
     (folder / "stability.csv").write_text(f"{columns}\nblack,naive,awls,,True,0,0,1,1\n")
     return folder

@@ -64,6 +64,12 @@ CONFIG = {
         "samples": [4, 8],
         "repetitions": 2,
     },
+    "psnr_level": {
+        "materials": ["ch*", "no-such"],
+        "variants": ["naive", "no-such"],
+        "resolutions": [12],
+        "turns": [180],
+    },
     "stability": {"starts": 1, "awls_iterations": 2},
 }
 
