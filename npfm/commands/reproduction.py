@@ -5,7 +5,7 @@ import os
 from pathlib import Path
 
 from npfm.commands.outputs import output
-from npfm.evaluation import importance, tables
+from npfm.evaluation import importance, psnr_level, tables
 from npfm.evaluation.head_to_head import renderings as by_rendering
 from npfm.figures import figure10, renderings
 from npfm.papers import page
@@ -17,6 +17,7 @@ CODE = (
     "npfm.evaluation.tables",
     "npfm.evaluation.head_to_head",
     "npfm.evaluation.importance",
+    "npfm.evaluation.psnr_level",
     "npfm.figures.figure10",
     "npfm.papers.page",
     "npfm.papers.evidence",
@@ -49,6 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--variance", help="CSV made by npfm importance table")
     add("--fidelity", help="CSV made by npfm tables fidelity")
     add("--published", help="CSV made by npfm tables published")
+    add("--levels", help="CSV made by npfm psnr-level table")
     add("--figures", nargs="*", default=[], help="figures (.png) to show beside the claims")
     add("-o", "--output", type=output(page.PAGE), required=True, help="Markdown file to write")
 
@@ -59,7 +61,8 @@ def run(arguments: argparse.Namespace) -> None:
     folder = Path(a.output).parent
     figures = [Path(os.path.relpath(path, folder)).as_posix() for path in a.figures]
     distance = tables.read_published(a.published) if a.published else None
-    page.write(a.output, Path(a.run).name, a.dataset, _evidence(a), figures, distance)
+    levels = psnr_level.read_levels(a.levels) if a.levels else None
+    page.write(a.output, Path(a.run).name, a.dataset, _evidence(a), figures, distance, levels)
 
 
 def _evidence(a: argparse.Namespace) -> Evidence:

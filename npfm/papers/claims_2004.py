@@ -12,8 +12,8 @@ POINTS = (
 )
 PLASTIC = (
     "which of the measured plastics the paper has is not said, nor how its opponents were fitted; "
-    "the tables used here are not the measured ones, and a small share of our directions are "
-    "spread by the cosine, whereas the paper's tabulated slices have zeros"
+    "and a small share of our directions are spread by the cosine, whereas the paper's tabulated "
+    "slices have zeros"
 )
 
 TOPICS = (

@@ -37,6 +37,16 @@ def average(evidence: Evidence, model: str) -> Finding:
     return Finding(ours, abs(difference) <= TIE_DB, f"{difference:+.2f} dB")
 
 
+def gap(evidence: Evidence, model: str, other: str) -> Finding:
+    """How far a model's mean PSNR is above another's, over the renderings that both have."""
+    table = evidence.renderings([model, other])
+    ours = float((table[model] - table[other]).mean())
+    paper = bagher2016.MEAN_PSNR_DB[NAMES[model][0]] - bagher2016.MEAN_PSNR_DB[NAMES[other][0]]
+    difference = ours - paper
+    told = f"{ours:+.2f} dB, {len(table)} renderings"
+    return Finding(told, abs(difference) <= TIE_DB, f"{difference:+.2f} dB")
+
+
 def order(evidence: Evidence) -> Finding:
     """Order of the mean PSNRs over the renderings that all models have."""
     models = evidence.models()

@@ -1,12 +1,13 @@
 """The page that puts the paper's claims beside a run's findings, as Markdown."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from npfm.evaluation.psnr_level import ALL
 from npfm.papers import (
     bagher2016,
     claims,
@@ -55,6 +56,8 @@ TABLES = {
         "which the papers speak, cannot be had here; a run of its files puts their claims to it."
     ),
 }
+#: The target whose table stands beside levels.
+LEVELS_FROM = "snakemake psnr_level"
 #: The kinds whose materials are anisotropic: claims about isotropic ones are not of them.
 ANISOTROPIC = ("utia", "rgl-anisotropic", "synthetic-anisotropic")
 
@@ -66,6 +69,7 @@ def write(
     evidence: Evidence,
     figures: Sequence[str],
     distance: pd.DataFrame | None,
+    levels: pd.DataFrame | None = None,
 ) -> None:
     """Write the page.
 
@@ -81,12 +85,17 @@ def write(
         Paths of the figures that there are, from the page's folder.
     distance : DataFrame, optional
         As `npfm.papers.authors_distance.distance` makes it, several materials together.
+    levels : DataFrame, optional
+        As `npfm.evaluation.psnr_level.levels` makes it.
     """
     topics = claims_anisotropic.TOPICS if dataset in ANISOTROPIC else TOPICS
     found = [
         (topic, [(claim, *judged(claim, evidence)) for claim in topic.claims]) for topic in topics
     ]
-    counts = Counter(verdict for _, rows in found for _, _, verdict, _ in rows)
+    counts = {
+        kind: Counter(row[2] for topic, rows in found if topic.levels == kind for row in rows)
+        for kind in (True, False)
+    }
     blocks = [
         f"{TITLE} `{name}`",
         f"{_whose(dataset)}, one by one, beside what this run says. Written by "
@@ -94,7 +103,7 @@ def write(
         _tally(evidence, counts, dataset),
         TABLES[dataset],
         *([_distance(distance)] if distance is not None and not distance.empty else []),
-        *(_topic(k, topic, rows, figures) for k, (topic, rows) in enumerate(found, start=1)),
+        *(_topic(k, *found_of, figures, levels) for k, found_of in enumerate(found, start=1)),
     ]
     with replacing(path, PAGE) as temporary:
         temporary.write_text("\n\n".join(blocks) + "\n")
@@ -127,7 +136,8 @@ def _whose(dataset: str) -> str:
     )
 
 
-def _tally(evidence: Evidence, counts: Counter, dataset: str) -> str:
+def _tally(evidence: Evidence, by_kind: Mapping[bool, Counter], dataset: str) -> str:
+    counts = by_kind[True] + by_kind[False]
     materials = evidence.psnr["material"].nunique()
     scenes = evidence.psnr["scene"].nunique()
     papers = "" if dataset in ANISOTROPIC else "; the paper has 100 and 4"
@@ -135,8 +145,21 @@ def _tally(evidence: Evidence, counts: Counter, dataset: str) -> str:
         f"Of {counts.total()} claims {counts[HOLDS]} hold, {counts[DIFFERS]} differ and "
         f"{counts[UNTESTABLE]} cannot be tested here. The run has {materials} materials and "
         f"{scenes} scenes{papers}. Where the paper gives no measure, the one used "
-        "is in brackets; an average holds within 2 dB, what the paper calls a tie, and a share "
-        "within 5 points."
+        "is in brackets; an average and a gap hold within 2 dB, what the paper calls a tie, and a "
+        "share within 5 points." + _kinds(by_kind)
+    )
+
+
+def _kinds(counts: Mapping[bool, Counter]) -> str:
+    """How many claims of each kind hold, where there are both."""
+    levels, others = (counts[kind] for kind in (True, False))
+    if not levels:
+        return ""
+    return (
+        " Two kinds are to be told apart. **Absolute levels** hang on scene, light and foreground: "
+        f"of {levels.total()} such claims {levels[HOLDS]} hold. **What models show against each "
+        f"other** (order, gaps, wins, gains), and what fits are by themselves: of "
+        f"{others.total()} claims {others[HOLDS]} hold."
     )
 
 
@@ -181,11 +204,41 @@ def _other_reading(distance: pd.DataFrame, column: str, what: str) -> str:
     )
 
 
+def _levels(levels: pd.DataFrame) -> list[str]:
+    """The table of `npfm.evaluation.psnr_level.levels`, variants across, all scenes together."""
+    together = levels[levels["scene"] == ALL]
+    variants = list(together["variant"].unique())
+    table = together.pivot(index="setting", columns="variant", values="psnr_db")
+    printed = together.groupby("variant")["paper_db"].first()
+    rows = [("in the paper", printed), *table.reindex(together["setting"].unique()).iterrows()]
+    return [
+        f"The same fits by other foregrounds, pixels and lights (`{LEVELS_FROM}`); mean PSNR in dB "
+        f"of at most {together['pictures'].max():.0f} pictures a number:",
+        "",
+        f"| setting | {' | '.join(variants)} |",
+        "|---|" + "---|" * len(variants),
+        *(
+            f"| {name} | " + " | ".join(_decibels(row[variant]) for variant in variants) + " |"
+            for name, row in rows
+        ),
+    ]
+
+
+def _decibels(value: float) -> str:
+    return f"{value:.2f}" if np.isfinite(value) else "-"
+
+
 def _percent(log_ratio: float, sign: str = "") -> str:
     return f"{100 * np.expm1(log_ratio):{sign}.1f} %"
 
 
-def _topic(number: int, topic: Topic, rows: Sequence[tuple], figures: Sequence[str]) -> str:
+def _topic(
+    number: int,
+    topic: Topic,
+    rows: Sequence[tuple],
+    figures: Sequence[str],
+    levels: pd.DataFrame | None,
+) -> str:
     lines = [f"## {number}. {topic.title}", ""]
     beside = [path for name in topic.figures for path in figures if Path(path).stem == name]
     for path in beside:
@@ -195,5 +248,7 @@ def _topic(number: int, topic: Topic, rows: Sequence[tuple], figures: Sequence[s
         told = f": {difference}" if difference else ""
         lines.append(f"| {claim.text} | {claim.paper} | {ours or '-'} | **{verdict}**{told} |")
     reasons = dict.fromkeys(claim.reason for claim, _, verdict, _ in rows if verdict == DIFFERS)
-    lines += [line for reason in reasons for line in ("", f"Likely reason: {reason}.")]
+    lines += [line for reason in reasons for line in ("", f"Why: {reason}.")]
+    if topic.levels and levels is not None:
+        lines += ["", *_levels(levels)]
     return "\n".join(lines)

@@ -47,6 +47,17 @@ def test_an_average_differs_by_what_it_is_off():
     assert measures.average(evidence(papers_own() | {"naive": 56.71 - 1.99}), "naive").holds
 
 
+def test_a_gap_is_that_of_the_renderings_that_both_have():
+    rows = evidence(papers_own() | {"naive": lambda m, s: 56.71 + (m == "nylon")}).psnr
+    found = measures.gap(replace(evidence(papers_own()), psnr=rows), "naive", "independent-g")
+    assert (found.ours, found.holds) == ("-1.34 dB, 12 renderings", True)
+    lacking = rows[(rows["variant"] != "naive") | (rows["material"] == "nylon")]
+    found = measures.gap(replace(evidence(papers_own()), psnr=lacking), "naive", "independent-g")
+    assert found.ours == "-0.51 dB, 2 renderings"
+    far = measures.gap(evidence(papers_own() | {"naive": 50.0}), "naive", "independent-g")
+    assert (far.holds, far.difference) == (False, "-6.71 dB")
+
+
 def test_models_out_of_order_are_named_with_their_distance():
     finding = measures.order(evidence(papers_own() | {"naive": 60.0}))
     assert not finding.holds

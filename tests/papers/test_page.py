@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from npfm.__main__ import main
-from npfm.evaluation import tables
+from npfm.evaluation import psnr_level, tables
 from npfm.fitting import fits
 from npfm.fitting.fits import ChannelRecord, Fit, Trace
 from npfm.papers import authors_distance, page
@@ -126,7 +126,7 @@ def test_figures_stand_beside_their_claims_where_the_run_has_them(run):
 def test_a_reason_is_given_where_a_claim_differs_and_nowhere_else(run):
     text = call(run)
     for block in text.split("## ")[1:]:
-        assert ("Likely reason" in block) == ("**differs**" in block)
+        assert ("\nWhy: " in block) == ("**differs**" in block)
 
 
 def test_the_same_tables_give_the_same_page(run):
@@ -152,3 +152,28 @@ def test_a_missing_table_is_told_in_one_line(run, capsys):
     error = capsys.readouterr().err
     assert error.count("\n") == 1 and "summary.csv" in error
     assert not (run / "x.md").exists()
+
+
+def test_absolute_levels_are_counted_apart_from_what_models_show_against_each_other(run):
+    text = call(run)
+    told = re.search(r"of (\d+) such claims (\d+) hold.*: of (\d+) claims (\d+) hold\.", text)
+    levels, others = text.split("## 2. Average PSNR: absolute levels")[1].split("## 3.")[0], text
+    counts = [levels.count("| **"), levels.count("**holds**")]
+    counts += [others.count("| **") - counts[0], others.count("**holds**") - counts[1]]
+    assert [*map(int, told.groups())] == counts
+    assert counts[0] == 9
+
+
+def test_levels_stand_beside_what_other_foregrounds_make_of_them(run, tmp_path):
+    rows = [
+        (setting, scene, "naive", 8, value, 56.71 if scene == "all" else np.nan, np.nan)
+        for setting, value in (("as-configured", 43.2), ("touched", 53.1))
+        for scene in ("all", "A")
+    ]
+    tables.write(tmp_path / "levels.csv", pd.DataFrame(rows, columns=psnr_level.LEVELS))
+    text = call(run, "--levels", f"{tmp_path}/levels.csv")
+    table = text.split("absolute levels")[2 if "absolute levels**" in text else 1]
+    assert "| setting | naive |\n|---|---|\n| in the paper | 56.71 |\n" in table
+    assert "| as-configured | 43.20 |\n| touched | 53.10 |\n" in table
+    assert "of at most 8 pictures" in text
+    assert "| setting |" not in call(run)

@@ -1,4 +1,5 @@
 from npfm.run.importance import variance_inputs
+from npfm.run.psnr_level import level_inputs
 
 # What the page is made from, as far as the run has it: the option of each, and the file.
 CLAIMED = {
@@ -13,6 +14,8 @@ if "naive" in RUN.variants:
 # Not made for the page alone: it takes longer than the page.
 if variance_inputs(RUN):
     [CLAIMED["variance"]] = variance_inputs(RUN)
+if level_inputs(RUN):
+    [CLAIMED["levels"]] = level_inputs(RUN)
 if WEIGHTING.columns:
     CLAIMED["weighting"] = rules.weighting_table.output
 if RUN.published_factors and "independent-g" in RUN.variants:
@@ -67,6 +70,7 @@ use rule npfm as reproduction with:
                 for figure in ["improvement", "samples"]
                 if variance_inputs(RUN)
             ),
+            *([f"{OUT}/figures/psnr_level.png"] if level_inputs(RUN) else []),
         ],
     output:
         f"{OUT}/reproduction.md",
