@@ -1,13 +1,14 @@
 import numpy as np
 import pytest
 from bsdf import fields, tensor_file
+from glossy import glossy
 
 from npfm.__main__ import main
 from npfm.datasets import rgl_folder
 from npfm.errors import NpfmError
 from npfm.reflectance.directional import UTIA, Directional
 from npfm.reflectance.half_difference import MERL
-from npfm.reflectance.table_files import read_table
+from npfm.reflectance.table_files import read_table, write_table
 
 TURNED = np.linspace(-np.pi, 0, 4)
 
@@ -95,3 +96,17 @@ def test_what_cannot_be_written_is_one_line(folder, capfd, call, said):
     error = capfd.readouterr().err
     assert said in error
     assert error.count("\n") == 1
+
+
+def test_what_is_exported_is_read_again(tmp_path):
+    """The export puts the view where the database has the light: of a reciprocal table the same."""
+    table = glossy()
+    write_table(tmp_path / "gloss.binary", table)
+    call = f"export {tmp_path}/gloss.binary --to bsdf --views 12 --size 48 -o {tmp_path}/gloss.bsdf"
+    assert main(call.split()) == 0
+    again = rgl_folder.load(tmp_path, "gloss")
+    inner = np.minimum(*MERL.cosines) > np.cos(np.radians(70))
+    assert again.valid[:, inner].all()
+    error = np.abs(again.values[:, inner] / table.values[:, inner] - 1)
+    assert np.median(error) < 0.005
+    assert np.quantile(error, 0.99) < 0.03
