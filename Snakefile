@@ -57,6 +57,7 @@ include: "workflow/rules/stability.smk"
 if not RUN.grid.anisotropic:
 
     include: "workflow/rules/accuracy_cost.smk"
+    include: "workflow/rules/video.smk"
     include: "workflow/rules/effects_cost.smk"
     include: "workflow/rules/exports.smk"
     include: "workflow/rules/factorisation.smk"

@@ -36,6 +36,7 @@ VERBS = {
     "tables": "gather fits and pictures into the tables of a run",
     "quality": "compare the fits of a run with the measurements by many metrics",
     "figure": "draw a figure from the tables of a run",
+    "video": "a light turned around a material, and its fit converging: pages and animations",
     "gallery": "make the pages of a gallery that a browser opens from disk",
     "reproduction": "put the paper's claims to the tables of a run, as a page of Markdown",
     "bounces": "a still life of five materials, by each way of choosing the directions of paths",

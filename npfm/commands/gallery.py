@@ -55,6 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         kind.add_argument("--fits", required=True, help="CSV made by npfm tables fits")
     all_.add_argument("--summary", required=True, help="CSV made by npfm tables summary")
     all_.add_argument("--materials", help="CSV made by npfm tables materials, for the diffuseness")
+    all_.add_argument("--videos", nargs="+", default=[], help="materials with a page of npfm video")
     demo_.add_argument(
         "--lights", nargs="+", required=True, help="lights of the scenes (.exr), in their order"
     )
@@ -134,6 +135,7 @@ def _overview(a: argparse.Namespace) -> None:
         {} if diffuse is None else dict(zip(diffuse.material, diffuse.diffuseness, strict=True)),
         style.colors(a),
         demo=a.demo,
+        videos=a.videos,
     )
 
 

@@ -61,6 +61,14 @@ class Iterations:
     G: NDArray[np.floating]
     F: NDArray[np.floating]
 
+    def best(self, channel: int) -> int:
+        """Which start led to the fit: that which went on, or else ended lowest."""
+        ends = {
+            int(self.start[k]): (-int(self.run[k]), float(self.objective[k]))
+            for k in np.flatnonzero(self.channel == channel)
+        }
+        return min(ends, key=ends.__getitem__)
+
     @property
     def angles(self) -> dict[str, NDArray[np.float64]]:
         """Where the components of D, G and F are, in degrees."""
@@ -191,6 +199,9 @@ def _check(found: Iterations) -> None:
             raise ValueError(f"{name} is of shape {numbers.shape} and type {numbers.dtype}")
         if states == 0 or numbers.min() < 0 or numbers.max() >= most:
             raise ValueError(f"{name} is not from 0 to {most - 1}")
+    there = len(set(zip(found.channel.tolist(), found.start.tolist(), strict=True)))
+    if there < len(CHANNELS) * len(found.names):
+        raise ValueError("a start is missing in one of the channels")
     for name in FACTORS:
         values = getattr(found, name)
         if values.dtype.kind != "f" or values.ndim != 2 or len(values) != states:

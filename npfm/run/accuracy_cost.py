@@ -133,10 +133,15 @@ def plan(run: Run) -> Plan:
         stage: {setting: _variant(stage, setting) for setting in settings}
         for stage, settings in stages.items()
     }
+    study = check({**run.config, "variants": entries})
+    return Plan(run, study, named, materials(run))
+
+
+def materials(run: Run) -> tuple[str, ...]:
+    """Return the materials that the configuration names, or the run's first if it has none."""
     wanted = run.config["accuracy_cost"]["materials"]
     chosen = tuple(name for name in wanted if name in run.materials)
-    study = check({**run.config, "variants": entries})
-    return Plan(run, study, named, chosen or run.materials[:MOST_MATERIALS])
+    return chosen or run.materials[:MOST_MATERIALS]
 
 
 def _variant(stage: str, setting: str) -> str:

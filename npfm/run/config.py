@@ -383,10 +383,14 @@ def check(config: Mapping[str, Any]) -> Run:
                 f"config: scenes/{scene}/light: unknown light '{described['light']}'; {hint}"
             )
         _check_scene(scene, described)
-    scene = config["accuracy_cost"].get("scene")
-    if scene is not None and scene not in config["scenes"]:
-        hint = suggest(scene, config["scenes"])
-        raise NpfmError(f"config: accuracy_cost/scene: unknown scene '{scene}'; {hint}")
+    for key in ("accuracy_cost", "video"):
+        scene = config[key].get("scene")
+        if scene is not None and scene not in config["scenes"]:
+            hint = suggest(scene, config["scenes"])
+            raise NpfmError(f"config: {key}/scene: unknown scene '{scene}'; {hint}")
+    if unknown := [name for name in config["video"]["variants"] if name not in known]:
+        hint = suggest(unknown[0], known)
+        raise NpfmError(f"config: video/variants: unknown variant '{unknown[0]}'; {hint}")
     for name in config["importance"].get("lights", []):
         if name not in config["lights"]:
             hint = suggest(name, config["lights"])

@@ -113,6 +113,7 @@ CALLS = {
     ),
     "gallery figure": ("-o {out}/a.js", "a.js"),
     "gallery table": ("{made}/chalk.binary -o {out}/a.js", "a.js"),
+    "video light": ("chalk --frames {made}/frames.exr -o {out}/a.gif", "a.gif"),
     "figure figure04": ("-o {out}/a.pdf {out}/a.png", "a.pdf", "a.png"),
     "reproduction": (
         "--run {made} --dataset synthetic --psnr {made}/psnr.csv --summary {made}/summary.csv"
@@ -167,6 +168,10 @@ def folder(tmp_path_factory, table, light_file):
         f"render {made}/A {made}/chalk.npz -o {made}/fitted.exr",
     ]:
         assert main(call.split()) == 0
+    scenes, fitted = f"--scenes {made}/0", f"--fits bivariate={made}/chalk.npz"
+    shutil.copytree(made / "A", made / "0")
+    call = f"video frames {made}/chalk.binary {scenes} {fitted} -o {made}/frames.exr"
+    assert main(call.split()) == 0
     (made / "brdfs").mkdir()
     os.link(made / "chalk.binary", made / "brdfs" / "chalk.binary")
     shapes = {"D": (3, 90), "F": (3, 90), "G": (3, 90), "rho_d": (3,), "rho_s": (3,)}

@@ -142,6 +142,12 @@ CALLS = [
     ),
     ("gallery", [], "gallery table chalk.binary -o x.js"),
     (
+        "video",
+        models("naive"),
+        "video frames materials/chalk.binary --scenes scenes/0 --fits naive=fits/naive/chalk.npz"
+        " -o x.exr",
+    ),
+    (
         "perception",
         [],
         "perception correlations --quality quality.csv --opinions . -o x.csv",
@@ -240,6 +246,7 @@ def folder(tmp_path_factory, light_file):
     for call in calls:
         assert main(call.split()) == 0
     shutil.copy(folder / "materials/chalk.binary", folder)
+    shutil.copytree(folder / "scenes/A", folder / "scenes/0")
     (folder / "x.fit").write_text(FIT)
     (folder / "paint.bsdf").write_bytes(tensor_file(fields(np.random.default_rng(1))))
     factors = dict.fromkeys("DGF", np.ones((1, 90, 3)))

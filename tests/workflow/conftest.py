@@ -43,6 +43,7 @@ CONFIG = {
         "reference_samples": 16,
     },
     "gallery": {"measured": ["*"]},
+    "video": {"variants": ["independent-g", "naive"], "turns": 3, "resolution": 8, "samples": 4},
     "bounces": {
         "materials": ["chalk"],
         "resolution": 4,

@@ -1,5 +1,6 @@
 from npfm.exports.gallery.page import templates
 from npfm.exports.shaders.shader import files as shader_files
+from npfm.run.video import video_options
 
 
 localrules:
@@ -59,7 +60,10 @@ use rule npfm as gallery_overview with:
             *option("--materials", input.materials),
             *("-o", *output),
         ],
-        options=[RUN.config["name"], *RUN.colors_option, *RUN.demo_option],
+        options=[
+            *(RUN.config["name"], *video_options(RUN)),
+            *(*RUN.colors_option, *RUN.demo_option),
+        ],
 
 
 use rule npfm as gallery_demo with:

@@ -83,7 +83,7 @@ def write(
         ],
         "variants": _variants(run, material, variants, published, colors),
         "metrics": metrics(values[values.material == material]),
-        "errors": {"largest": LARGEST_ERROR, "colors": _color_map()},
+        "errors": {"largest": LARGEST_ERROR, "colors": color_map()},
         "demo": demo,
     }
     pixels.write_thumbnails(Path(path).with_suffix(pixels.THUMBNAILS.suffix), small)
@@ -153,7 +153,7 @@ def metrics(values: pd.DataFrame) -> list[dict[str, Any]]:
     return made
 
 
-def _color_map() -> str:
-    """256 colours as hexadecimal digits, six each."""
+def color_map() -> str:
+    """Return the colours of the map of errors: 256 as hexadecimal digits, six each."""
     rgb = matplotlib.colormaps[ERROR_COLORS](np.arange(256), bytes=True)[:, :3]
     return rgb.tobytes().hex()

@@ -1,7 +1,7 @@
 """The first page: Figure 8 of Bagher et al. 2016, of which everything can be asked."""
 
 import operator
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import reduce
 from pathlib import Path
 from typing import Any
@@ -34,6 +34,7 @@ def write(
     colors: Mapping[str, str],
     *,
     demo: bool = False,
+    videos: Sequence[str] = (),
 ) -> None:
     """Write the first page; the pages of the materials are in ``materials/`` beside it.
 
@@ -55,6 +56,8 @@ def write(
         Of some variants, in place of the project's.
     demo : bool
         Whether the gallery has one, to link to.
+    videos : sequence of str
+        Materials with a page in ``video/`` as well.
 
     Raises
     ------
@@ -72,6 +75,7 @@ def write(
         "quantities": [*_metrics(values), *_of_fits(values, fits)],
         "first": FIRST,
         "demo": demo,
+        "videos": list(videos),
     }
     page.write(path, "overview", f"Gallery of the run {name}", data)
 

@@ -46,11 +46,6 @@ function toneMap(scene) {
     Number.isNaN(value) ? 0 : Math.round(255 * (1 - 2 ** (-factor * Math.max(value, 0))) ** (1 / gamma)));
 }
 
-function errorColor(share) {
-  const k = Math.min(255, Math.round((255 * share) / DATA.errors.largest));
-  return [0, 2, 4].map((at) => parseInt(DATA.errors.colors.slice(6 * k + at, 6 * k + at + 2), 16));
-}
-
 // The picture that is chosen, or how its display values differ from those of the measurement.
 function painted(all) {
   const { width, height } = DATA.scenes[state.scene], pixels = width * height;
@@ -172,10 +167,6 @@ function changeScene(k) {
   update();
 }
 
-const AXES = { D: "theta_h (degrees)", G: "theta_i or theta_o (degrees)", F: "theta_d (degrees)",
-  "F G²": "theta_d = theta_i = theta_o (degrees)" };
-const W = 300, H = 190, L = 42, B = 34, T = 18, R = 8;
-
 function drawFactors() {
   const look = DATA.variants[state.fit - 1];
   byId("factors-title").textContent = look ? `Factors of ${look.name}` : "No fits";
@@ -192,41 +183,14 @@ function drawFactors() {
   byId("parameters").textContent = [...none, ...words].join(" · ");
 }
 
-// As Figure 6: relative, logarithmic, theta_h by its root.
 function plotOf(curve) {
-  const svg = drawn("svg", { viewBox: `0 0 ${W} ${H}`, role: "img", "aria-label": `factor ${curve.name}` });
-  const root = curve.name === "D", within = curve.angles.map((a) => a <= 80);
+  const within = curve.angles.map((a) => a <= 80);
   const seen = curve.values.flatMap((v) => v.filter((x, k) => x > 0 && within[k]));
-  const floor = root ? 5e-7 : Math.max(1e-4, Math.min(0.5, ...seen) / 1.3);
-  const top = 1.6;
-  const x = (a) => L + (W - L - R) * (root ? Math.sqrt(a / 90) : a / 90);
-  const y = (v) => T + (H - T - B) * (Math.log10(top / v) / Math.log10(top / floor));
-  for (const a of root ? [0, 5, 20, 45, 90] : [0, 15, 30, 45, 60, 75, 90]) {
-    svg.append(drawn("line", { class: "grid", x1: x(a), x2: x(a), y1: T, y2: H - B }),
-      drawn("text", { x: x(a), y: H - B + 13, "text-anchor": "middle" }, String(a)));
-  }
-  for (const v of floor > 0.05 ? [0.1, 0.2, 0.5, 1].filter((k) => k >= floor) : decades(floor, top)) {
-    svg.append(drawn("line", { class: "grid", x1: L, x2: W - R, y1: y(v), y2: y(v) }),
-      drawn("text", { x: L - 4, y: y(v) + 4, "text-anchor": "end" }, plain(v)));
-  }
-  const clip = `clip-${curve.name.charCodeAt(0)}-${curve.name.length}`;
-  svg.append(drawn("clipPath", { id: clip }, drawn("rect", { x: L, y: T, width: W - L - R, height: H - T - B })));
-  const line = (angles, values, color, dashes) => drawn("path", { d: pathOf(angles, values, x, y, floor / 100), fill: "none",
-    stroke: color, "stroke-width": 1.4, "stroke-dasharray": dashes, "clip-path": `url(#${clip})` });
-  (curve.published || []).forEach((v, k) => svg.append(line(curve.published_angles, v, CHANNELS[k][1], "5 3")));
-  curve.values.forEach((v, k) => svg.append(line(curve.angles, v, curve.values.length > 1 ? CHANNELS[k][1] : "#333", null)));
-  svg.append(drawn("text", { x: L, y: 12, style: "font-weight:600" }, `${curve.name}, relative`),
-    drawn("text", { x: (L + W - R) / 2, y: H - 5, "text-anchor": "middle" }, AXES[curve.name]));
-  return svg;
-}
-
-function pathOf(angles, values, x, y, least) {
-  let path = "", down = false;
-  values.forEach((v, k) => {
-    if (v !== null) path += `${down ? "L" : "M"}${x(angles[k]).toFixed(1)} ${y(Math.max(v, least)).toFixed(1)}`;
-    down = v !== null;
-  });
-  return path;
+  const plot = factorPlot(curve.name, Math.min(0.5, ...seen));
+  const line = (angles, values, color, dashes) => plot.line(angles, values, { stroke: color, "stroke-dasharray": dashes });
+  (curve.published || []).forEach((v, k) => line(curve.published_angles, v, CHANNELS[k][1], "5 3"));
+  curve.values.forEach((v, k) => line(curve.angles, v, curve.values.length > 1 ? CHANNELS[k][1] : "#333", null));
+  return plot.svg;
 }
 
 function drawTable() {
@@ -336,12 +300,7 @@ function begin() {
   byId("run").textContent = `in the run ${DATA.run}`;
   byId("flip").max = NAMES.length - 1;
   byId("scenes").append(...DATA.scenes.map((scene, k) => element("button", { onclick: () => changeScene(k) }, `scene ${scene.name}`)));
-  const scale = byId("scale").querySelector("canvas").getContext("2d");
-  for (let k = 0; k < 256; k++) {
-    scale.fillStyle = `#${DATA.errors.colors.slice(6 * k, 6 * k + 6)}`;
-    scale.fillRect(k, 0, 1, 1);
-  }
-  byId("scale-said").textContent = `0 to ${DATA.errors.largest} and more: mean difference of the channels, as a share of the display's range`;
+  drawErrorScale();
   const asked = new URLSearchParams(location.hash.slice(1));
   state.scene = Math.max(0, DATA.scenes.findIndex((scene) => scene.name === asked.get("scene")));
   state.picture = Math.max(0, NAMES.indexOf(asked.get("variant")));

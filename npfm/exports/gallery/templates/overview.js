@@ -263,6 +263,8 @@ function begin() {
   byId("title").textContent = `Gallery of the run ${DATA.run}`;
   byId("summary").textContent = [[DATA.materials, "material"], [VARIANTS, "variant"], [DATA.scenes, "scene"]]
     .map(([list, name]) => `${list.length} ${name}${list.length === 1 ? "" : "s"}`).join(", ");
+  byId("videos").hidden = !DATA.videos.length;
+  byId("videos").append(...DATA.videos.map((name) => element("a", { href: `video/${encodeURIComponent(name)}.html` }, name)));
   const choices = { quantity: DATA.quantities.map((q) => [q.name, q.label]), order: ORDERS, of: VARIANTS.map((v) => [v, v]) };
   for (const [id, options] of Object.entries(choices)) {
     byId(id).append(...options.map(([v, label]) => element("option", { value: v }, label)));

@@ -95,3 +95,63 @@ function plain(value) {
   return value !== 0 && (Math.abs(value) < 1e-3 || Math.abs(value) >= 1e5)
     ? value.toExponential(0).replace("e-", "e−").replace("e+", "e") : String(value);
 }
+
+async function inflated(bytes) {
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+// Maps of errors: a share of the range of display values as a colour, and the scale of it.
+function errorColor(share) {
+  const k = Math.min(255, Math.round((255 * share) / DATA.errors.largest));
+  return [0, 2, 4].map((at) => parseInt(DATA.errors.colors.slice(6 * k + at, 6 * k + at + 2), 16));
+}
+
+function drawErrorScale() {
+  const scale = byId("scale").querySelector("canvas").getContext("2d");
+  for (let k = 0; k < 256; k++) {
+    scale.fillStyle = `#${DATA.errors.colors.slice(6 * k, 6 * k + 6)}`;
+    scale.fillRect(k, 0, 1, 1);
+  }
+  byId("scale-said").textContent = `0 to ${DATA.errors.largest} and more: mean difference of the channels, as a share of the display's range`;
+}
+
+const AXES = { D: "theta_h (degrees)", G: "theta_i or theta_o (degrees)", F: "theta_d (degrees)",
+  "F G²": "theta_d = theta_i = theta_o (degrees)" };
+
+// A factor as in Figure 6: relative, logarithmic, theta_h by its root; down to its least value.
+function factorPlot(name, least) {
+  const W = 300, H = 190, L = 42, B = 34, T = 18, R = 8;
+  const svg = drawn("svg", { viewBox: `0 0 ${W} ${H}`, role: "img", "aria-label": `factor ${name}` });
+  const root = name === "D", floor = root ? 5e-7 : Math.max(1e-4, least / 1.3), top = 1.6;
+  const x = (a) => L + (W - L - R) * (root ? Math.sqrt(a / 90) : a / 90);
+  const y = (v) => T + (H - T - B) * (Math.log10(top / v) / Math.log10(top / floor));
+  for (const a of root ? [0, 5, 20, 45, 90] : [0, 15, 30, 45, 60, 75, 90]) {
+    svg.append(drawn("line", { class: "grid", x1: x(a), x2: x(a), y1: T, y2: H - B }),
+      drawn("text", { x: x(a), y: H - B + 13, "text-anchor": "middle" }, String(a)));
+  }
+  for (const v of floor > 0.05 ? [0.1, 0.2, 0.5, 1].filter((k) => k >= floor) : decades(floor, top)) {
+    svg.append(drawn("line", { class: "grid", x1: L, x2: W - R, y1: y(v), y2: y(v) }),
+      drawn("text", { x: L - 4, y: y(v) + 4, "text-anchor": "end" }, plain(v)));
+  }
+  const clip = `clip-${name.charCodeAt(0)}-${name.length}`;
+  svg.append(drawn("clipPath", { id: clip }, drawn("rect", { x: L, y: T, width: W - L - R, height: H - T - B })));
+  svg.append(drawn("text", { x: L, y: 12, style: "font-weight:600" }, `${name}, relative`),
+    drawn("text", { x: (L + W - R) / 2, y: H - 5, "text-anchor": "middle" }, AXES[name]));
+  const path = (angles, values) => pathOf(angles, values, x, y, floor / 100);
+  const line = (angles, values, look) => {
+    const made = drawn("path", { d: path(angles, values), fill: "none", "stroke-width": 1.4, "clip-path": `url(#${clip})`, ...look });
+    svg.append(made);
+    return made;
+  };
+  return { svg, path, line };
+}
+
+function pathOf(angles, values, x, y, least) {
+  let path = "", down = false;
+  values.forEach((v, k) => {
+    if (v !== null) path += `${down ? "L" : "M"}${x(angles[k]).toFixed(1)} ${y(Math.max(v, least)).toFixed(1)}`;
+    down = v !== null;
+  });
+  return path;
+}
