@@ -127,7 +127,7 @@ def _starts(a: argparse.Namespace) -> None:
         for k in range(len(found.names))
     ]
     states = [{name: values[at] for name, values in factors.items()} for at in chosen]
-    title = f"{a.material}, {a.channel}: {len(states)} starts"
+    title = f"{a.material}, {a.channel}: {len(states)} starts, the best thick"
     looks, best = starts.looks(found.names), found.best(channel)
     frames = list(animations.starts(title, found.angles, states, looks, best))
     write_gif(a.output, frames, [ITERATION] * (len(frames) - 1) + [END], dithered=False)
