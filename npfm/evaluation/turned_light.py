@@ -73,12 +73,11 @@ def render(measured: Table, fits: Mapping[str, Table], scenes: Sequence[str | Pa
     """
     values = columns([measured, *(fit.where_measured(measured) for fit in fits.values())])
     degrees = tuple(_degrees(Path(scene).name, scene) for scene in scenes)
-    made, coverage = [], None
+    coverage, made = np.array(transport.load(scenes[0]).coverage), []
     for scene in scenes:
         matrix = transport.load(scene)
-        if coverage is not None and not np.array_equal(coverage, matrix.coverage):
+        if not np.array_equal(coverage, matrix.coverage):
             raise NpfmError(f"{scene}: other objects than in {scenes[0]}; build both of the same")
-        coverage = np.array(matrix.coverage)
         made.append(pictures(matrix, values))
     return Turned(degrees, (MEASURED, *fits), np.stack(made), coverage)
 

@@ -187,6 +187,8 @@ def folder(tmp_path_factory, table, light_file):
     (made / "quality.csv").write_text(f"{','.join(quality.COLUMNS)}\n{row}\n")
     row = row.replace("ggx", "bivariate")
     (made / "chalk.csv").write_text(f"{','.join(quality.COLUMNS)}\n{row}\n")
+    (made / "materials").mkdir()
+    shutil.copy(made / "chalk.binary", made / "materials")
     pictures = made / "renders/A/chalk"
     pictures.mkdir(parents=True)
     for suffix in (".exr", ".png"):

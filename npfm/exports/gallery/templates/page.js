@@ -96,11 +96,6 @@ function plain(value) {
     ? value.toExponential(0).replace("e-", "e−").replace("e+", "e") : String(value);
 }
 
-async function inflated(bytes) {
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
-}
-
 // Maps of errors: a share of the range of display values as a colour, and the scale of it.
 function errorColor(share) {
   const k = Math.min(255, Math.round((255 * share) / DATA.errors.largest));
