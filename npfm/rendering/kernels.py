@@ -88,7 +88,7 @@ class Points(NamedTuple):
     Parameters
     ----------
     frames : ndarray, shape (p, 3, 3)
-        As `npfm.rendering.shading.Shading.view_frame`.
+        As `npfm.rendering.shading.Shading` has them.
     views : ndarray, shape (p, 3)
     cos_o, cos_limit : ndarray, shape (p,)
         Cosines of theta_o, and of the largest theta_h that is of use.
