@@ -1,7 +1,7 @@
 """Fits in the formats of other programs; a file of this folder that declares a NAME is a format.
 
 Beside the NAME it declares what `npfm.exports.registry.Format` says: ABOUT and SUFFIX, and MODELS,
-TABLES, MANY, GRIDS and SETTINGS where they are not the usual ones. It has
+TABLES, MANY, GRIDS, SETTINGS and PARTS where they are not the usual ones. It has
 
 ``KIND``
     The `npfm.storage.files.Kind` of what is written: how an older one is told from files of others.

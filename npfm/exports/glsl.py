@@ -18,6 +18,7 @@ from npfm.storage.files import Kind, marked, replacing
 NAME = "glsl"
 ABOUT = "one function of GLSL with its table, for a shader of OpenGL or WebGL 2"
 SUFFIX = ".glsl"
+PARTS = ("shaders/*.glsl",)
 MODELS = ("independent-g", "g-from-d", "shared-lobes", "power-iteration", "ggx", "ggx-fitted")
 FIRST = "// Made by npfm: BRDF of "
 KIND = Kind("a function of GLSL", SUFFIX, marked(FIRST.encode()))

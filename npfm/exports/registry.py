@@ -42,6 +42,8 @@ class Format:
         Whether it holds several materials.
     grids : tuple of str
         Kinds of the grids that it can say.
+    parts : tuple of str
+        Globs of files below this folder that are no Python and that it is made of.
     settings : mapping of str to str
         Whole numbers that `write` takes as keywords, each with what it means.
     """
@@ -53,7 +55,13 @@ class Format:
     tables: bool = False
     many: bool = False
     grids: tuple[str, ...] = (HalfDifference.kind,)
+    parts: tuple[str, ...] = ()
     settings: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def files(self) -> list[Path]:
+        """What `parts` stand for."""
+        return sorted(path for part in self.parts for path in FOLDER.glob(part))
 
     def load(self) -> ModuleType:
         """Import the format: its `KIND` and `write`.

@@ -8,6 +8,7 @@ from npfm.run.config import Run, check
 from npfm.run.formats import MEASURED, Wanted, wanted
 from npfm.run.provenance import command_code
 from npfm.run.study import Study
+from npfm.run.words import as_input
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,10 @@ class Plan(Study):
         if variant == MEASURED:
             return self.run.table(material)
         return f"{self.folders[variant]}/{material}.npz"
+
+    def parts(self, name: str) -> list[str]:
+        """Files beside the code that it is written from."""
+        return [as_input(str(path)) for path in registry.declared(name).files]
 
     def options(self, name: str) -> list[str]:
         """Arguments of ``npfm export`` for a format."""

@@ -53,6 +53,7 @@ CONFIG = {
     },
     "exports": {
         "csv": ["g-from-d"],
+        "glsl": ["g-from-d"],
         "merl": ["naive"],
         "mitsuba": ["naive"],
         "bsdf": {"variants": ["measured", "old"], "views": 4, "size": 8},

@@ -19,7 +19,8 @@ use rule fit as exports_fit with:
 
 use rule npfm as export with:
     input:
-        lambda wildcards: EXPORTS.source(wildcards.variant, wildcards.material),
+        source=lambda wildcards: EXPORTS.source(wildcards.variant, wildcards.material),
+        parts=lambda wildcards: EXPORTS.parts(wildcards.format),
     output:
         f"{EXPORTS.folder}/{{format}}/{{variant}}/{{material}}{{suffix}}",
     log:
@@ -33,7 +34,7 @@ use rule npfm as export with:
     params:
         verb="export",
         code=lambda wildcards: EXPORTS.code(wildcards.format, wildcards.variant),
-        files=lambda wildcards, input, output: [*input, "-o", *output],
+        files=lambda wildcards, input, output: [input.source, "-o", *output],
         options=lambda wildcards: EXPORTS.options(wildcards.format),
 
 
