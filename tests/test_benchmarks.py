@@ -64,7 +64,7 @@ def test_jobs_are_repeated_with_outputs_of_their_own(run, tmp_path):
         "material": 2,
     }
     command = "python -m npfm scene --light in/l.exr --record out/s.json -o out/s 2> out/log"
-    expected = "-m npfm scene --light in/l.exr --record /tmp/new/s.json -o /tmp/new/s"
+    expected = "-m npfm scene --light in/l.exr --record /tmp/new/6/s.json -o /tmp/new/8/s"
     assert " ".join(overhead.redirected(command, "/tmp/new")) == expected
 
 

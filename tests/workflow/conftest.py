@@ -43,7 +43,7 @@ CONFIG = {
         "reference_samples": 16,
     },
     "gallery": {"measured": ["*"]},
-    "video": {"variants": ["independent-g", "naive"], "turns": 3, "resolution": 8, "samples": 4},
+    "video": {"variants": ["independent-g", "naive"], "turns": 3, "resolution": 8, "samples": 32},
     "bounces": {
         "materials": ["chalk"],
         "resolution": 4,
@@ -51,13 +51,7 @@ CONFIG = {
         "seconds": 0.01,
         "reference_paths": 8,
     },
-    "exports": {
-        "csv": ["g-from-d"],
-        "glsl": ["g-from-d"],
-        "merl": ["naive"],
-        "mitsuba": ["naive"],
-        "bsdf": {"variants": ["measured", "old"], "views": 4, "size": 8},
-    },
+    "exports": {"csv": ["g-from-d"]},
     "importance": {
         "materials": ["chalk", "no-such"],
         "formulas": [],

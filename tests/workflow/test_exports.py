@@ -1,5 +1,12 @@
 """The target `exports`: what it writes, and what it writes again after an edit."""
 
+EXPORTS = {
+    "csv": ["g-from-d"],
+    "glsl": ["g-from-d"],
+    "merl": ["naive"],
+    "mitsuba": ["naive"],
+    "bsdf": {"variants": ["measured", "old"], "views": 4, "size": 8},
+}
 CSV = "exports/csv/g-from-d/chalk.csv"
 GLSL = "exports/glsl/g-from-d/chalk.glsl"
 MERL = "exports/merl/naive/chalk.binary"
@@ -9,6 +16,7 @@ FIT = {f"exports/fits/g-from-d/chalk.{end}" for end in ("npz", "json")}
 
 
 def test_the_target_writes_what_is_asked_for_and_again_what_an_edit_changes(project):
+    project.configure(exports=EXPORTS)
     results = project.folder / "results" / "tiny"
     assert project.planned("exports") >= {CSV, GLSL, MERL, SCENE, *BSDF, *FIT}
     run = project.snakemake("exports")

@@ -104,6 +104,9 @@ use rule npfm as gallery_table with:
         f"{OUT}/gallery/tables/{{material}}.js",
     log:
         f"{OUT}/logs/gallery/tables/{{material}}.log",
+    resources:
+        mem_mb=800,
+        runtime=5,
     params:
         verb="gallery table",
         code=command_code("gallery"),
@@ -117,6 +120,9 @@ use rule npfm as gallery_figure with:
         f"{OUT}/gallery/figure.js",
     log:
         f"{OUT}/logs/gallery/figure.log",
+    resources:
+        mem_mb=800,
+        runtime=5,
     params:
         verb="gallery figure",
         code=command_code("gallery"),

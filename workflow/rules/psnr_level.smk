@@ -32,6 +32,9 @@ use rule npfm as psnr_level_angles with:
         f"{OUT}/logs/psnr_level/angles/{{scene}}.log",
     wildcard_constraints:
         scene=any_of(RUN.scenes),
+    resources:
+        mem_mb=1000,
+        runtime=5,
     params:
         verb="psnr-level angles",
         code=command_code("psnr-level angles"),

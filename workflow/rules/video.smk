@@ -90,6 +90,9 @@ use rule npfm as video_page with:
         f"{OUT}/gallery/video/{{material}}.html",
     log:
         f"{OUT}/logs/video/pages/{{material}}.log",
+    resources:
+        mem_mb=1000,
+        runtime=5,
     params:
         verb="video page",
         code=VIDEO_CODE,
@@ -111,6 +114,9 @@ use rule npfm as video_light with:
         f"{OUT}/gallery/video/{{material}}-light.gif",
     log:
         f"{OUT}/logs/video/light/{{material}}.log",
+    resources:
+        mem_mb=1000,
+        runtime=10,
     params:
         verb="video light",
         code=VIDEO_CODE,
@@ -128,6 +134,9 @@ use rule npfm as video_convergence with:
         f"{OUT}/gallery/video/{{material}}-starts.gif",
     log:
         f"{OUT}/logs/video/convergence/{{material}}.log",
+    resources:
+        mem_mb=1000,
+        runtime=10,
     params:
         verb="video starts",
         code=VIDEO_CODE,
