@@ -184,8 +184,8 @@ def test_another_unit_scales_the_fit(model, method):
     )
     difference = np.abs(other / 3 - one).max(1) / one.max(1)
     # Lobes of one material can be exchanged a little for next to nothing.
-    loose = method == "awls" or "lobes" in registry.declared(model).settings
-    assert (difference < (1e-6 if loose else 1e-9)).all()
+    lobes = "lobes" in registry.declared(model).settings
+    assert (difference < (1e-4 if lobes else 1e-6 if method == "awls" else 1e-9)).all()
 
 
 @pytest.mark.parametrize(

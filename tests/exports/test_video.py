@@ -245,7 +245,7 @@ def test_a_picture_of_an_animation_has_the_colours_of_the_rendering(made):
         ("page x --frames {made}/one.exr --iterations x.npz -o {out}.html", "x.npz"),
         ("light x --frames {made}/one.exr -o {out}.gif", "in degrees"),
         ("light x --frames {made}/few.exr -o {out}.gif", "every fit in every turn"),
-        ("starts x --iterations {made}/frames.exr -o {out}.gif", "cannot be read"),
+        ("starts x --iterations {made}/frames.exr -o {out}.gif", "not a record of iterations"),
     ],
 )
 def test_what_cannot_be_shown_is_said_in_one_line(made, tmp_path, capsys, call, message):
