@@ -191,6 +191,20 @@ def test_curves_of_published_factors_are_in_our_scale():
     np.testing.assert_allclose(shape, shape[:, :1] * np.ones(90), rtol=1e-4)
 
 
+def test_lobes_that_the_channels_share_are_curves_of_their_own():
+    rng = np.random.default_rng(2)
+    lobes = {name: rng.uniform(0.5, 1, (1, 2, 90)).astype(np.float32) for name in "DG"}
+    F = rng.uniform(0.5, 1, (3, 90)).astype(np.float32)
+    theirs = {name: rng.uniform(0.5, 1, (3, 90)) for name in "DGF"}
+    found = {c["name"]: c for c in curves(Fit("shared-lobes", lobes | {"F": F}, MERL), theirs)}
+    assert list(found) == ["D", "G", "F"]
+    assert [c.get("lobes", False) for c in found.values()] == [True, True, False]
+    ratio = np.array(found["D"]["values"]) / lobes["D"][0]
+    np.testing.assert_allclose(ratio, ratio[:, :1] * np.ones(90), rtol=1e-4)
+    # What was published are factors of another model.
+    assert not any("published" in curve for curve in found.values())
+
+
 def test_g_of_smith_is_a_curve_as_well():
     D = np.exp(-np.linspace(0, 5, 90))[None].repeat(3, axis=0).astype(np.float32)
     found = {c["name"]: c for c in curves(Fit("g-from-d", {"D": D, "F": D}, MERL), {})}

@@ -32,14 +32,16 @@ def curves(fit: Fit, published: Mapping[str, NDArray]) -> list[dict[str, Any]]:
     -------
     list of dict
         `name`; `angles` in degrees and `values`, a list a channel or one for all, with maximum 1
-        up to 80 degrees; and, where there are any, `published_angles` and `published`, in the
-        scale of ours.
+        up to 80 degrees; `lobes` where they are of lobes that the channels share; and, beside
+        curves of every channel, `published_angles` and `published`, in the scale of ours.
     """
     if not isinstance(fit.grid, HalfDifference):
         return []
     # Elsewhere F or D takes over what G does there, and nothing would be comparable.
-    theirs = published_curves(published) if {"D", "G", "F"} <= set(fit.parameters) else {}
-    return [_curve(*named, theirs) for named in _factors(fit)]
+    of_channels = all(name in fit.parameters and not _shared(fit, name) for name in "DGF")
+    theirs = published_curves(published) if of_channels else {}
+    made = [_curve(*named, theirs) for named in _factors(fit)]
+    return [curve | ({"lobes": True} if _shared(fit, curve["name"]) else {}) for curve in made]
 
 
 def parameters(fit: Fit) -> dict[str, list[float | None]]:
@@ -61,13 +63,22 @@ def _factors(fit: Fit) -> Iterator[tuple[str, NDArray, NDArray]]:
     for (name, values), angles in zip(found.items(), (theta_h, nodes, theta_d), strict=True):
         if values is not None:
             yield name, angles, values
-    if (F := found["F"]) is not None and (G := found["G"]) is not None:
+    F, G = found["F"], found["G"]
+    if F is not None and G is not None and not _shared(fit, "G"):
         at_bins = np.stack([np.interp(theta_d, nodes, g) for g in G])
         yield "F G²", theta_d, F * at_bins**2
 
 
+def _shared(fit: Fit, name: str) -> bool:
+    """Whether a parameter has lobes that all channels share: shape (1, lobes, bins)."""
+    array = fit.parameters.get(name)
+    return array is not None and array.ndim == 3 and len(array) == 1
+
+
 def _values(fit: Fit, name: str, bins: int) -> NDArray[np.float64] | None:
     array = fit.parameters.get(name)
+    if array is not None and _shared(fit, name):
+        array = array[0]
     if array is None or array.ndim != 2 or array.shape[1] != bins:
         return None
     return array.astype(float)

@@ -1,4 +1,5 @@
 const NAMES = ["measured", ...DATA.variants.map((look) => look.name)];
+const LOBES = [null, "6 3", "2 2", "8 2 2 2", "1 3"];  // dashes, as many as a model has lobes
 const CHANNELS = [["red", "#D55E00"], ["green", "#009E73"], ["blue", "#0072B2"]];
 const LARGEST_SIDE = 528, MOST_ZOOM = 64;
 const state = { scene: 0, picture: 0, fit: 1, stops: 0, error: false, zoom: 1, x: 0, y: 0, pointer: null };
@@ -173,7 +174,9 @@ function drawFactors() {
   if (!look) return;
   byId("curves").replaceChildren(...look.curves.map(plotOf));
   const lines = CHANNELS.map(([name, color]) => [name, color, null]);
-  if (look.curves.some((c) => c.values.length === 1)) lines.push(["all channels", "#333", null]);
+  const lobes = look.curves.find((c) => c.lobes);
+  if (lobes) lobes.values.forEach((_, k) => lines.push([`lobe ${k + 1}`, "#333", LOBES[k]]));
+  if (look.curves.some((c) => c.values.length === 1 && !c.lobes)) lines.push(["all channels", "#333", null]);
   if (look.curves.some((c) => c.published)) lines.push(["published, in our scale", "#333", "5 3"]);
   byId("key").replaceChildren(...(look.curves.length ? lines : []).map(([name, color, dashes]) =>
     element("span", { class: "key" }, drawn("svg", { width: 26, height: 10 }, drawn("line", { x1: 0, x2: 26, y1: 5, y2: 5,
@@ -189,7 +192,8 @@ function plotOf(curve) {
   const plot = factorPlot(curve.name, Math.min(0.5, ...seen));
   const line = (angles, values, color, dashes) => plot.line(angles, values, { stroke: color, "stroke-dasharray": dashes });
   (curve.published || []).forEach((v, k) => line(curve.published_angles, v, CHANNELS[k][1], "5 3"));
-  curve.values.forEach((v, k) => line(curve.angles, v, curve.values.length > 1 ? CHANNELS[k][1] : "#333", null));
+  const look = (k) => curve.lobes ? ["#333", LOBES[k]] : [curve.values.length > 1 ? CHANNELS[k][1] : "#333", null];
+  curve.values.forEach((v, k) => line(curve.angles, v, ...look(k)));
   return plot.svg;
 }
 
