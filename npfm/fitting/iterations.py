@@ -7,7 +7,6 @@ converge from several starts. A solver tells what it has reached; that changes n
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -124,12 +123,13 @@ class Recorder:
         """Return what led to a fit: not the fits that were only made for a start of it."""
         # The record of a channel has the very traces that one call returned.
         found = [
-            [(channel, *step) for step in steps]
+            (channel, *step)
             for channel, record in enumerate(fit.records)
             for trace, steps in self.calls
             if trace is record.traces[0]
+            for step in steps
         ]
-        return _gathered(list(chain(*found)))
+        return _gathered(found)
 
 
 def _gathered(steps: Sequence[tuple[int, str, int, float, Factors]]) -> Iterations:

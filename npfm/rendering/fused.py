@@ -66,15 +66,21 @@ class Fused:
     def __call__(self, surface: Surface, count: Counts) -> Directions:
         """Directions for p points, `count` (p,) of each strategy."""
         first = self.starts[np.searchsorted(self.levels, count)] + surface.ray * count
-        shifts = self.shifts[surface.pixel]
-        points = _points(surface, self.half_vector, shifts, first, count)
-        return Directions(*kernels.light_directions(self.square, points, self.light, self.bins))
+        found = kernels.light_directions(
+            self.square,
+            _points(surface, self.half_vector),
+            self.shifts[surface.pixel],
+            first,
+            count,
+            self.light,
+            self.bins,
+        )
+        return Directions(*found)
 
 
 def highlights(at: Shading, square: Array, environment: Environment, grid: Grid) -> Array:
     """Mean luminance that half vectors of points of the unit square, (m, 2), show: shape (p,)."""
-    no_shifts, none = np.zeros((len(at), 2, 2)), np.zeros(len(at), dtype=np.int64)
-    points = _points(at, HalfVectorSampling(grid), no_shifts, none, none)
+    points = _points(at, HalfVectorSampling(grid))
     rows, columns, _ = environment.radiance.shape
     luminance = environment.texels @ LUMINANCE
     return kernels.highlights(square, points, bins(grid), rows, columns, luminance)
@@ -104,9 +110,7 @@ def bins(grid: Grid) -> kernels.Bins:
     return kernels.Bins(edges, np.cos(edges), guide.astype(np.int32))
 
 
-def _points(
-    at: Shading, half_vector: HalfVectorSampling, shifts: Array, first: Counts, count: Counts
-) -> kernels.Points:
+def _points(at: Shading, half_vector: HalfVectorSampling) -> kernels.Points:
     """Surface points, and the bins of theta_h that half vectors are spread over there."""
     theta_o, limit, used = half_vector.range(at)
     return kernels.Points(
@@ -115,7 +119,4 @@ def _points(
         cos_o=np.cos(theta_o[:, 0]),
         cos_limit=np.cos(limit[:, 0]),
         bins=used[:, 0],
-        shifts=shifts,
-        first=first,
-        counts=count,
     )

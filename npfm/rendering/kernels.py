@@ -83,7 +83,7 @@ class Bins(NamedTuple):
 
 
 class Points(NamedTuple):
-    """Surface points, and which points of the unit square each of them takes.
+    """Surface points, and which half vectors are of use there.
 
     Parameters
     ----------
@@ -94,10 +94,6 @@ class Points(NamedTuple):
         Cosines of theta_o, and of the largest theta_h that is of use.
     bins : ndarray of int64, shape (p,)
         Number of bins of theta_h up to there.
-    shifts : ndarray, shape (p, 2, 2)
-        By which points of the unit square are rotated, for either strategy.
-    first, counts : ndarray of int64, shape (p,)
-        The first of them, and how many there are for either strategy.
     """
 
     frames: Array
@@ -105,9 +101,6 @@ class Points(NamedTuple):
     cos_o: Array
     cos_limit: Array
     bins: Counts
-    shifts: Array
-    first: Counts
-    counts: Counts
 
 
 _f1, _f2, _f3 = (types.Array(types.float64, n, "C") for n in (1, 2, 3))
@@ -115,7 +108,7 @@ _i1, _n1 = types.Array(types.int32, 1, "C"), types.Array(types.int64, 1, "C")
 _f2b = types.Array(types.float64, 2, "A")
 _LIGHT = types.NamedTuple([_f1, _f1, _f1, _i1, _f1], Light)
 _BINS = types.NamedTuple([_f1, _f1, _i1], Bins)
-_POINTS = types.NamedTuple([_f3, _f2, _f1, _f1, _n1, _f3, _n1, _n1], Points)
+_POINTS = types.NamedTuple([_f3, _f2, _f1, _f1, _n1], Points)
 
 
 @inner
@@ -329,9 +322,17 @@ def _half_vector_density(
         density[s] = 1 / (count * angle[s] * azimuths * cos_d4)
 
 
-@compiled(types.Tuple([_i1, _f2b, _i1, _f1])(_f2, _POINTS, _LIGHT, _BINS), **ARITHMETIC)
+@compiled(
+    types.Tuple([_i1, _f2b, _i1, _f1])(_f2, _POINTS, _f3, _n1, _n1, _LIGHT, _BINS), **ARITHMETIC
+)
 def light_directions(
-    square: Array, points: Points, light: Light, bins: Bins
+    square: Array,
+    points: Points,
+    shifts: Array,
+    first: Counts,
+    counts: Counts,
+    light: Light,
+    bins: Bins,
 ) -> tuple[Indices, Array, Indices, Array]:
     """Directions of the strategies `light` and `half-vector`, those above the horizon.
 
@@ -340,6 +341,10 @@ def light_directions(
     square : ndarray, shape (m, 2)
         Points of the unit square.
     points : Points
+    shifts : ndarray, shape (p, 2, 2)
+        By which those are rotated, for either strategy.
+    first, counts : ndarray of int64, shape (p,)
+        The first that a surface point takes, and how many for either strategy.
     light : Light
     bins : Bins
 
@@ -354,7 +359,7 @@ def light_directions(
     weight : ndarray, shape (n,)
         Cosine over samples per steradian, by the balance heuristic.
     """
-    size = 2 * points.counts.sum()
+    size = 2 * counts.sum()
     point, texel = np.empty(size, np.int32), np.empty(size, np.int32)
     direction, weight = np.empty((3, size)), np.empty(size)
     x, y, z = direction[0], direction[1], direction[2]
@@ -363,11 +368,11 @@ def light_directions(
     columns = light.density.size // rows
     n = 0
     for p in range(len(points.views)):
-        frame, view, shift = points.frames[p], points.views[p], points.shifts[p]
+        frame, view, shift = points.frames[p], points.views[p], shifts[p]
         at = points.cos_o[p], points.cos_limit[p], points.bins[p]
-        end = points.first[p] + points.counts[p]
-        for first in range(points.first[p], end, STRIP):
-            strip = square[first : min(first + STRIP, end)]
+        end = first[p] + counts[p]
+        for begin in range(first[p], end, STRIP):
+            strip = square[begin : min(begin + STRIP, end)]
             middle, last = n + len(strip), n + 2 * len(strip)
             _sample_light(
                 strip, shift[0], light, texel[n:middle], work, x[n:middle], y[n:middle], z[n:middle]
@@ -393,7 +398,7 @@ def light_directions(
             _half_vector_density(cos_i, cos_io, at, bins, work, weights)
             for s in range(kept):
                 density = light.density[texels[s]] + weights[s]
-                weights[s] = cos_i[s] / (points.counts[p] * density)
+                weights[s] = cos_i[s] / (counts[p] * density)
             point[n:last] = p
             n = last
     return point[:n], direction[:, :n], texel[:n], weight[:n]

@@ -260,18 +260,24 @@ class LobesProblem(ABC):
         Without what is filled in, and without coefficients at their bound that would go beyond it:
         these keep their share while their lobe changes.
         """
-        gradient, matrix = self._tied(state, *self.derivatives(state))
+        floored = self._at_floor(state)
+        gradient, matrix = self._tied(state, floored, *self.derivatives(state))
         in_d, in_f, in_g = self.seen
         filled_in = ~np.concatenate(
             [np.tile(in_d, self.lobes), in_f.ravel(), np.tile(in_g, self.lobes)]
         )
-        least = np.concatenate([self._at_floor(state).ravel(), state.rho_d == 0])
+        least = np.concatenate([floored.ravel(), state.rho_d == 0])
         out = np.concatenate([filled_in, least & (gradient[filled_in.size :] > 0)])
         gradient[out], matrix[out], matrix[:, out] = 0.0, 0.0, 0.0
         return gradient, matrix
 
     def _tied(
-        self, state: State, gradient: Array, matrix: Array, of_means: Array
+        self,
+        state: State,
+        floored: NDArray[np.bool_],
+        gradient: Array,
+        matrix: Array,
+        of_means: Array,
     ) -> tuple[Array, Array]:
         """Equations in which each coefficient at its floor follows what that floor hangs on.
 
@@ -279,7 +285,7 @@ class LobesProblem(ABC):
         coefficient changes by -s d(log of factors), s being derivatives of the logarithm of that
         mean.
         """
-        tied = np.argwhere(self._at_floor(state) & (state.rho_s > 0))
+        tied = np.argwhere(floored & (state.rho_s > 0))
         if not tied.size:
             return gradient, matrix
         nh, nd, nodes = self.sizes
