@@ -6,6 +6,7 @@ best reciprocal table, which stands in the list as the variant `RECIPROCAL`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +14,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from npfm.evaluation.comparison import read_reference
-from npfm.fitting.objective import Objective, channel_samples, fold
+from npfm.fitting.objective import Objective, Samples, channel_samples, fold
 from npfm.reflectance.half_difference import HalfDifference
-from npfm.reflectance.table import CHANNELS, Table
+from npfm.reflectance.table import CHANNELS, INVALID, Table
 from npfm.rendering.geometry import nearest
 from npfm.rendering.scenes import CAMERA, Scene, place
 from npfm.storage.pictures import read_exr
@@ -33,48 +34,52 @@ RECIPROCAL = "reciprocal"
 COLUMNS = ("material", "variant", "angle", "from_degrees", "to_degrees", "percent")
 
 
-def reciprocal(measured: Table, objective: Objective) -> Table:
+def reciprocal(samples: Sequence[Samples[HalfDifference]]) -> Table:
     """Table with the least objective of those that exchanging light and view leaves the same.
 
     Cells that do not count are not measured in it.
+
+    Parameters
+    ----------
+    samples : sequence of Samples
+        Of every channel of a measurement, on one half-difference grid.
     """
-    values = np.full_like(measured.values, -1.0)
-    for channel in range(len(CHANNELS)):
-        samples = channel_samples(measured, channel, objective)
-        folded = fold(samples)
-        merged = np.where(folded.weight > 0, folded.value * folded.scale, -1.0)
-        values[channel] = np.concatenate([merged, merged[..., ::-1]], axis=-1)
-    return Table(values, measured.grid)
+    values = []
+    for folded in map(fold, samples):
+        merged = np.where(folded.weight > 0, folded.value * folded.scale, INVALID)
+        values.append(np.concatenate([merged, merged[..., ::-1]], axis=-1))
+    return Table(np.stack(values), samples[0].grid)
 
 
-def of_table(measured: Table, fitted: Table, objective: Objective) -> dict[str, NDArray]:
+def of_table(samples: Sequence[Samples[HalfDifference]], fitted: Table) -> dict[str, NDArray]:
     """Objective of a fit by the angles of cells, in percent of what black has.
 
     Parameters
     ----------
-    measured, fitted : Table
-        On one half-difference grid.
-    objective : Objective
+    samples : sequence of Samples
+        Of every channel of the measurement, by the objective that counts.
+    fitted : Table
+        On their half-difference grid.
 
     Returns
     -------
     dict of str to ndarray
         By theta_h, theta_d and lowest, the parts in the bins of `EDGES`: mean over the channels.
-        They sum to the relative objective of the fit's record.
+        They sum to the relative objective of the fit's record, unless the variant was fitted by
+        another objective than that of the samples.
     """
-    assert isinstance(measured.grid, HalfDifference)
-    angles = _angles(measured.grid)
+    angles = _angles(samples[0].grid)
     parts = {name: np.zeros(len(EDGES[name]) - 1) for name in angles}
-    for channel in range(len(CHANNELS)):
-        samples = channel_samples(measured, channel, objective)
-        difference = fitted.values[channel] / samples.scale - samples.value
-        error = samples.weight * np.where(samples.weight > 0, difference, 0) ** 2
-        share = 100 * error / (samples.energy or 1.0) / len(CHANNELS)
+    for of_channel, values in zip(samples, fitted.values, strict=True):
+        difference = values / of_channel.scale - of_channel.value
+        error = of_channel.weight * np.where(of_channel.weight > 0, difference, 0) ** 2
+        share = 100 * error / (of_channel.energy or 1.0) / len(samples)
         for name, angle in angles.items():
             parts[name] += np.histogram(angle, EDGES[name], weights=share)[0]
     return parts
 
 
+@lru_cache(maxsize=1)
 def _angles(grid: HalfDifference) -> dict[str, NDArray[np.float64]]:
     """Angles of the cells of a grid in degrees, by the names that they have in `EDGES`."""
     lowest = np.arccos(np.clip(np.minimum(*grid.cosines), 0, 1))
@@ -103,6 +108,7 @@ def of_picture(reference: NDArray, picture: NDArray, inside: NDArray[np.bool_]) 
     return 100 * found / found.sum() if found.sum() > 0 else np.full_like(found, np.nan)
 
 
+@lru_cache(maxsize=1)
 def slants(resolution: int) -> NDArray[np.float64]:
     """Angle in degrees of normal and view at the middle of every pixel of a lone sphere, or NaN."""
     middle = np.array([[0.5, 0.5]])
@@ -146,21 +152,27 @@ def where(
     """
     folder, rows = Path(run), []
     for material, variants in fits.items():
-        measured = read(folder / "materials" / f"{material}.binary")
-        best = of_table(measured, reciprocal(measured, objective), objective)
-        rows += _rows(material, RECIPROCAL, best)
+        samples = _samples(read(folder / "materials" / f"{material}.binary"), objective)
+        rows += _rows(material, RECIPROCAL, of_table(samples, reciprocal(samples)))
+        renders = [folder / "renders" / scene / material for scene in scenes]
+        references = [read_reference(seen / "measured.exr") for seen in renders]
         for variant in variants:
             fitted = read(folder / "fits" / variant / f"{material}.npz")
-            rows += _rows(material, variant, of_table(measured, fitted, objective))
-            pictures = [_seen(folder / "renders" / s / material, variant) for s in scenes]
-            if pictures:
-                rows += _rows(material, variant, {"slant": np.mean(pictures, axis=0)})
+            rows += _rows(material, variant, of_table(samples, fitted))
+            pictures = (read_exr(seen / f"{variant}.exr")[..., :3] for seen in renders)
+            parts = [
+                of_picture(reference, picture, inside)
+                for (reference, inside), picture in zip(references, pictures, strict=True)
+            ]
+            if parts:
+                rows += _rows(material, variant, {"slant": np.mean(parts, axis=0)})
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
-def _seen(folder: Path, variant: str) -> NDArray:
-    radiance, inside = read_reference(folder / "measured.exr")
-    return of_picture(radiance, read_exr(folder / f"{variant}.exr")[..., :3], inside)
+def _samples(measured: Table, objective: Objective) -> list[Samples[HalfDifference]]:
+    """Samples of every channel."""
+    assert isinstance(measured.grid, HalfDifference)
+    return [channel_samples(measured, channel, objective) for channel in range(len(CHANNELS))]
 
 
 def _rows(material: str, variant: str, parts: Mapping[str, NDArray]) -> list[tuple]:

@@ -30,9 +30,13 @@ def worse(table):
     return Table(table.values * 1.1, table.grid)
 
 
+def samples_of(table):
+    return [channel_samples(table, channel, OBJECTIVE) for channel in range(3)]
+
+
 def test_parts_sum_to_the_objective_of_a_fit(gappy):
-    parts = of_table(gappy, worse(gappy), OBJECTIVE)
-    samples = [channel_samples(gappy, channel, OBJECTIVE) for channel in range(3)]
+    samples = samples_of(gappy)
+    parts = of_table(samples, worse(gappy))
     model = [worse(gappy).values[k] / s.scale for k, s in enumerate(samples)]
     relative = [
         evaluate(s, m * (s.weight > 0)) / s.energy for s, m in zip(samples, model, strict=True)
@@ -45,31 +49,33 @@ def test_parts_lie_in_the_bins_of_their_angles(table):
     values = table.values.copy()
     # The highlight alone is wrong: bin 0 of theta_h, whose centre is at 90 / 36^2 degrees.
     values[:, 0] *= 2
-    parts = of_table(table, Table(values, table.grid), OBJECTIVE)
+    parts = of_table(samples_of(table), Table(values, table.grid))
     assert parts["theta_h"][0] > 0
     assert not parts["theta_h"][1:].any()
     assert (parts["theta_d"] > 0).all()
 
 
 def test_the_reciprocal_table_has_the_objective_that_folding_takes_out(gappy):
-    best = reciprocal(gappy, OBJECTIVE)
+    samples = samples_of(gappy)
+    best = reciprocal(samples)
     exchanged = best.values[..., ::-1]
     np.testing.assert_array_equal(best.values, exchanged)
-    folded = [fold(channel_samples(gappy, channel, OBJECTIVE)) for channel in range(3)]
+    folded = list(map(fold, samples))
     floor = 100 * np.mean([s.floor / s.energy for s in folded])
     assert floor > 0.01
-    for part in of_table(gappy, best, OBJECTIVE).values():
+    for part in of_table(samples, best).values():
         assert part.sum() == pytest.approx(floor)
     # No other table that exchanging leaves alone is nearer.
     for factor in (0.99, 1.01):
         other = Table(np.where(best.values > 0, best.values * factor, -1), best.grid)
-        assert of_table(gappy, other, OBJECTIVE)["theta_h"].sum() > floor
+        assert of_table(samples, other)["theta_h"].sum() > floor
 
 
 def test_a_reciprocal_measurement_has_no_floor(table):
     values = np.maximum(table.values, 0) + np.maximum(table.values[..., ::-1], 0)
     even = Table(np.where(table.grid.above_horizon, values, -1), table.grid)
-    parts = of_table(even, reciprocal(even, OBJECTIVE), OBJECTIVE)
+    samples = samples_of(even)
+    parts = of_table(samples, reciprocal(samples))
     assert parts["theta_h"].sum() == pytest.approx(0, abs=1e-20)
 
 
