@@ -5,7 +5,6 @@ import sys
 from npfm.declarations import NAME_PATTERN
 from npfm.errors import NpfmError
 from npfm.run.config import check, prefer_this_python
-from npfm.run.formats import wanted
 from npfm.run.names import any_of
 from npfm.run.provenance import command_code
 from npfm.run.words import as_input, option, path_word, words
@@ -19,8 +18,6 @@ report: "workflow/report/workflow.rst"
 
 try:
     RUN = check(config)
-    # Not part of the check, which studies make with variants of their own.
-    wanted(RUN.config, RUN.variants)
 except NpfmError as error:
     sys.exit(f"npfm: {error}")
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from npfm.fitting import registry
 from npfm.fitting.solvers.choice import SOLVERS
-from npfm.run.config import Run, check
+from npfm.run.config import Run
 from npfm.run.study import Study
 
 #: Whose starts, tolerance and traces are examined.
@@ -133,8 +133,7 @@ def plan(run: Run) -> Plan:
         stage: {setting: _variant(stage, setting) for setting in settings}
         for stage, settings in stages.items()
     }
-    study = check({**run.config, "variants": entries})
-    return Plan(run, study, named, materials(run))
+    return Plan(run, run.with_variants(entries), named, materials(run))
 
 
 def materials(run: Run) -> tuple[str, ...]:

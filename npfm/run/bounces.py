@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from npfm.rendering.sampling import registry as sampling
-from npfm.run.config import Run, check
+from npfm.run.config import Run
 from npfm.run.study import Study
 from npfm.run.words import option
 
@@ -78,4 +78,4 @@ class Plan(Study):
 def plan(run: Run) -> Plan:
     """Work out what to make."""
     entries = [{"name": name} | entry for name, (_, entry) in SAMPLERS.items() if entry]
-    return Plan(run, check({**run.config, "variants": entries}))
+    return Plan(run, run.with_variants(entries))

@@ -3,7 +3,7 @@
 import os
 import sys
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from npfm.rendering.sampling import registry as sampling
 from npfm.rendering.scenes import STRATEGIES, Scene
 from npfm.run import datasets
 from npfm.run.entries import Variant, missing_fits, read_variants
+from npfm.run.formats import wanted
 from npfm.run.names import check_names
 from npfm.run.provenance import command_code
 from npfm.run.schema import check_schema, settled
@@ -53,6 +54,25 @@ class Run:
     variants: Mapping[str, Variant]
     missing: frozenset[tuple[str, str]] = frozenset()
     grid: Grid = MERL
+
+    def with_variants(self, entries: Iterable[str | Mapping[str, Any]]) -> "Run":
+        """Return the same run with other variants.
+
+        Parameters
+        ----------
+        entries : iterable of str or mapping
+            As the key `variants` has them.
+
+        Raises
+        ------
+        NpfmError
+            If they cannot be read, fitted on the run's grid, or found where they are published.
+        """
+        config = {**self.config, "variants": list(entries)}
+        named = read_variants(config)
+        _check_grid(named, self.grid)
+        missing = missing_fits(named, self.materials)
+        return replace(self, config=config, variants=named, missing=missing)
 
     @property
     def folder(self) -> str:
@@ -397,18 +417,24 @@ def check(config: Mapping[str, Any]) -> Run:
             raise NpfmError(f"config: importance/lights: unknown light '{name}'; {hint}")
     materials = datasets.chosen(config)
     grid = datasets.grid(config, materials)
-    for name, variant in named.items():
-        try:
-            registry.check_grid(variant.model, grid.kind)
-        except NpfmError as error:
-            raise NpfmError(f"config: variants/{name}: {error}") from error
+    _check_grid(named, grid)
     for scene, described in config["scenes"].items():
         if grid.anisotropic and _scene(described).bounces:
             raise NpfmError(
                 f"config: scenes/{scene}: interreflection is for tables on a half-difference grid; "
                 "take it off the list"
             )
-    return Run(config, materials, named, missing_fits(named, materials), grid)
+    missing = missing_fits(named, materials)
+    wanted(config, named)
+    return Run(config, materials, named, missing, grid)
+
+
+def _check_grid(named: Mapping[str, Variant], grid: Grid) -> None:
+    for name, variant in named.items():
+        try:
+            registry.check_grid(variant.model, grid.kind)
+        except NpfmError as error:
+            raise NpfmError(f"config: variants/{name}: {error}") from error
 
 
 def _scene(described: Mapping[str, Any]) -> Scene:

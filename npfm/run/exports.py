@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from npfm.exports import registry
-from npfm.run.config import Run, check
+from npfm.run.config import Run
 from npfm.run.formats import MEASURED, Wanted, wanted
 from npfm.run.provenance import command_code
 from npfm.run.study import Study
@@ -72,6 +72,4 @@ def plan(run: Run) -> Plan:
     names = {v for one in asked.values() for v in one.variants if v != MEASURED}
     listed = [e if isinstance(e, dict) else {"name": e, "model": e} for e in run.config["variants"]]
     own = [{"name": name, "model": name} for name in sorted(names - set(run.variants))]
-    # Colours are of the run's variants, and nothing is drawn here.
-    study = check({**run.config, "variants": [*listed, *own], "colors": {}})
-    return Plan(run, study, asked)
+    return Plan(run, run.with_variants([*listed, *own]), asked)

@@ -1,14 +1,14 @@
 """What the target `importance` measures beside a run: ways of sampling, materials and lights."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from npfm.papers import lawrence2004
 from npfm.rendering.sampling import registry
-from npfm.run.config import Run, check
-from npfm.run.datasets import available
+from npfm.run import datasets
+from npfm.run.config import Run
 from npfm.run.study import Study
 from npfm.run.words import option
 
@@ -157,12 +157,15 @@ def _strategies() -> Iterator[str]:
 
 def plan(run: Run) -> Plan:
     """Work out what to measure."""
-    known = set(available(run.config))
+    known = set(datasets.available(run.config))
     wanted = [name for name in run.config["importance"]["materials"] if name in known]
     dataset = run.config["dataset"] | {"materials": wanted or list(run.materials[:MOST_MATERIALS])}
+    config = {**run.config, "dataset": dataset}
+    materials = datasets.chosen(config)
+    grid = datasets.grid(config, materials)
+    measured = replace(run, config=config, materials=materials, grid=grid)
     entries = {entry["name"]: entry for entry in FOLLOWED.values()}
-    changes = {"dataset": dataset, "variants": list(entries.values())}
-    return Plan(run, check({**run.config, **changes}))
+    return Plan(run, measured.with_variants(entries.values()))
 
 
 def variance_inputs(run: Run) -> list[str]:

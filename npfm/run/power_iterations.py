@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from npfm.papers import dupuy2015
 from npfm.papers.captions import chosen
-from npfm.run.config import Run, check
+from npfm.run.config import Run
 from npfm.run.study import Study
 
 #: The model whose microfacets are edited and told, and its conversions.
@@ -115,4 +115,4 @@ def plan(run: Run) -> Plan:
     opponents = [next((n for n in names if n in run.variants), None) for names in OPPONENTS]
     others = run.variants if run.grid.anisotropic else filter(None, opponents)
     names = list(dict.fromkeys([MODEL, *others, *CONVERSIONS]))
-    return Plan(run, check({**run.config, "variants": [entries[name] for name in names]}))
+    return Plan(run, run.with_variants(entries[name] for name in names))

@@ -8,7 +8,7 @@ from typing import Any
 from npfm.fitting import registry
 from npfm.fitting.solvers.choice import module_of as solver_module
 from npfm.run.accuracy_cost import MODEL, materials
-from npfm.run.config import Run, check
+from npfm.run.config import Run
 from npfm.run.entries import Variant
 from npfm.run.provenance import command_code
 from npfm.run.study import Study
@@ -110,8 +110,8 @@ def plan(run: Run) -> Plan:
         for entry in run.config["variants"]
     }
     shown = tuple(run.config["video"]["variants"])
-    study = check({**run.config, "variants": [own.get(name, name) for name in shown]})
+    study = run.with_variants(own.get(name, name) for name in shown)
     theirs = own.get(MODEL)
     is_named = isinstance(theirs, Mapping) and theirs["model"] == MODEL
-    alone = check({**run.config, "variants": [theirs if is_named else MODEL]})
+    alone = run.with_variants([theirs] if theirs and is_named else [MODEL])
     return Plan(run, study, materials(run), shown, alone.variants[MODEL])

@@ -6,11 +6,11 @@ and theta_d is half of their angle.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from npfm.papers.captions import CAPTIONS, chosen
-from npfm.run.config import Run, check
+from npfm.run.config import Run
 from npfm.run.study import fit_folders
 
 #: The models of Figure 7, by the letters they have there; Figure 15 is of the first.
@@ -93,8 +93,7 @@ def plan(run: Run) -> Weighting:
         for setting in figure.values()
         for entry in _pair(*setting)
     }
-    named = check({**run.config, "variants": [*entries.values()]}).variants if entries else {}
-    study, folder = replace(run, variants=named), f"{run.folder}/weighting"
+    study, folder = run.with_variants(entries.values()), f"{run.folder}/weighting"
     pairs = {
         figure: {what: tuple(e["name"] for e in _pair(*setting)) for what, setting in both.items()}
         for figure, both in columns.items()

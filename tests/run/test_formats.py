@@ -8,7 +8,6 @@ import yaml
 from npfm.errors import NpfmError
 from npfm.run.config import check
 from npfm.run.exports import plan
-from npfm.run.formats import wanted
 
 DEFAULT = yaml.safe_load((Path(__file__).parents[2] / "config.yaml").read_text())
 
@@ -25,9 +24,8 @@ DEFAULT = yaml.safe_load((Path(__file__).parents[2] / "config.yaml").read_text()
     ],
 )
 def test_mistakes_are_told_in_one_line(exports, message):
-    run = check(DEFAULT | {"exports": exports})
     with pytest.raises(NpfmError, match=message) as caught:
-        wanted(run.config, run.variants)
+        check(DEFAULT | {"exports": exports})
     assert "\n" not in str(caught.value) and str(caught.value).startswith("config: exports")
 
 
