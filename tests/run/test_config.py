@@ -1,5 +1,6 @@
 import copy
 import math
+import re
 import tomllib
 import zipfile
 from pathlib import Path
@@ -18,7 +19,7 @@ from npfm.reflectance.half_difference import MERL
 from npfm.reflectance.table import Table
 from npfm.reflectance.utia import write_bin
 from npfm.rendering.lights.generated import LIGHTS
-from npfm.run.config import check
+from npfm.run.config import ONLY_HALF_DIFFERENCE, check
 
 ROOT = Path(__file__).parents[2]
 PAPER = ("bivariate", "independent-g", "g-from-d", "naive")
@@ -481,3 +482,15 @@ def test_a_run_of_rgl_files_has_one_grid(brushed, tmp_path):
     said = "paint is on the grid half-difference 90x90x180 and satin on directional 6x48x6x48"
     with pytest.raises(NpfmError, match=said):
         check(directional(dataset=dataset, data=str(tmp_path)))
+
+
+def test_targets_that_a_directional_grid_leaves_out_are_told():
+    lines = (ROOT / "Snakefile").read_text().split("if not RUN.grid.anisotropic:\n")[1]
+    files = re.findall(r'^    include: "(.*)"$', lines, re.MULTILINE)
+    rules = "".join((ROOT / file).read_text() for file in files)
+    targets = sorted(re.findall(r"^rule (\w+):", rules, re.MULTILINE))
+    assert len(targets) == len(files) > 0
+    *others, last = targets
+    assert f"no target {', '.join(others)} or {last}: " in ONLY_HALF_DIFFERENCE
+    page = (ROOT / "docs" / "anisotropic.md").read_text().split("Left out, ")[1].split("which")[0]
+    assert re.findall(r"`(\w+)`", page) == targets
