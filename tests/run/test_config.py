@@ -487,8 +487,8 @@ def test_a_run_of_rgl_files_has_one_grid(brushed, tmp_path):
 def test_targets_that_a_directional_grid_leaves_out_are_told():
     lines = (ROOT / "Snakefile").read_text().split("if not RUN.grid.anisotropic:\n")[1]
     files = re.findall(r'^    include: "(.*)"$', lines, re.MULTILINE)
-    rules = "".join((ROOT / file).read_text() for file in files)
-    targets = sorted(re.findall(r"^rule (\w+):", rules, re.MULTILINE))
+    rules = "\n".join((ROOT / file).read_text() for file in files)
+    targets = sorted(re.findall(r"^ *rule (\w+):", rules, re.MULTILINE))
     assert len(targets) == len(files) > 0
     *others, last = targets
     assert f"no target {', '.join(others)} or {last}: " in ONLY_HALF_DIFFERENCE
