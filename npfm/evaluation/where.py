@@ -6,7 +6,7 @@ best reciprocal table, which stands in the list as the variant `RECIPROCAL`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +17,8 @@ from npfm.evaluation.comparison import read_reference
 from npfm.fitting.objective import Objective, Samples, channel_samples, fold
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import CHANNELS, INVALID, Table
-from npfm.rendering.geometry import nearest
-from npfm.rendering.scenes import CAMERA, Scene, place
+from npfm.rendering.scenes import Scene
+from npfm.rendering.view_angles import NOTHING, view_angles
 from npfm.storage.pictures import read_exr
 
 #: Edges of the bins of each angle, in degrees. `lowest` is the larger of theta_i and theta_o, and
@@ -103,23 +103,17 @@ def of_picture(reference: NDArray, picture: NDArray, inside: NDArray[np.bool_]) 
     ndarray, shape (len(EDGES["slant"]) - 1,)
         NaN where the pictures are equal.
     """
-    error = ((picture.astype(float) - reference) ** 2).sum(axis=2)[inside]
-    found = np.histogram(slants(len(reference))[inside], EDGES["slant"], weights=error)[0]
+    error = ((picture.astype(float) - reference) ** 2).sum(axis=2)
+    slant = _slants(len(reference))
+    seen = inside & (slant < NOTHING)
+    found = np.histogram(slant[seen], EDGES["slant"], weights=error[seen])[0]
     return 100 * found / found.sum() if found.sum() > 0 else np.full_like(found, np.nan)
 
 
-@lru_cache(maxsize=1)
-def slants(resolution: int) -> NDArray[np.float64]:
-    """Angle in degrees of normal and view at the middle of every pixel of a lone sphere, or NaN."""
-    middle = np.array([[0.5, 0.5]])
-    rays = CAMERA.directions(np.arange(resolution**2), middle, resolution).reshape(-1, 3)
-    origins = np.broadcast_to(CAMERA.position, rays.shape)
-    hits = nearest(place(Scene(("sphere",))), origins, rays)
-    hit = np.isfinite(hits.distance)
-    slant = np.full(len(rays), np.nan)
-    cosine = -np.einsum("ij,ij->i", hits.shading[hit], rays[hit])
-    slant[hit] = np.degrees(np.arccos(np.clip(cosine, 0, 1)))
-    return slant.reshape(resolution, resolution)
+@cache
+def _slants(resolution: int) -> NDArray[np.float64]:
+    """Angles of normal and view on a lone sphere, by the pixels of all pictures of that size."""
+    return view_angles(Scene(("sphere",)), resolution)
 
 
 def where(

@@ -20,7 +20,7 @@ from npfm.rendering.sampling.half_vector import HalfVectorSampling
 from npfm.rendering.sampling.light import LightSampling
 from npfm.rendering.sampling.low_discrepancy import low_discrepancy
 from npfm.rendering.sampling.strategy import Strategy
-from npfm.rendering.scenes import CAMERA, Scene, place
+from npfm.rendering.scenes import CAMERA, Scene, camera_offsets, place
 from npfm.rendering.surfaces import Surface, look
 from npfm.rendering.transport import Transport
 
@@ -160,15 +160,6 @@ def _joined(blocks: Iterable[tuple[NDArray, ...]], pixels: int) -> tuple[NDArray
 def _together(parts: Sequence[tuple[NDArray, NDArray]]) -> tuple[NDArray, NDArray]:
     columns, weights = zip(*parts, strict=True)
     return np.concatenate(columns), np.concatenate(weights, axis=1)
-
-
-def camera_offsets(scene: Scene) -> NDArray[np.float64]:
-    """Where camera rays pass through a pixel, in [0, 1), shape (rays, 2)."""
-    offsets = np.array([[0.5, 0.5]])
-    for name in scene.simulated:
-        if film := EFFECTS[name].film:
-            offsets = film(offsets)
-    return offsets
 
 
 def _multiples(surface: Surface, environment: Environment, grid: Grid) -> NDArray[np.int64]:

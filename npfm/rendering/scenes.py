@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from npfm.errors import NpfmError, suggest
 from npfm.rendering.camera import Camera
@@ -87,6 +88,15 @@ class Scene:
         """One line about each effect that is refused."""
         why = "changes nothing on a lone sphere and is left out; take it off the list"
         return tuple(f"effect '{name}' {why}" for name in self.pointless)
+
+
+def camera_offsets(scene: Scene) -> NDArray[np.float64]:
+    """Where camera rays pass through a pixel, in [0, 1), shape (rays, 2)."""
+    offsets = np.array([[0.5, 0.5]])
+    for name in scene.simulated:
+        if film := EFFECTS[name].film:
+            offsets = film(offsets)
+    return offsets
 
 
 def place(scene: Scene) -> tuple[Shape, ...]:

@@ -3,9 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from npfm.rendering.assembly import camera_offsets
 from npfm.rendering.lights.environment import Environment
-from npfm.rendering.scenes import CAMERA, Scene, place
+from npfm.rendering.scenes import CAMERA, Scene, camera_offsets, place
 from npfm.rendering.surfaces import look
 
 #: Angle where nothing is seen, in degrees: no surface is seen under a greater one.

@@ -14,15 +14,17 @@ from npfm.evaluation.where import (
     of_picture,
     of_table,
     reciprocal,
-    slants,
     where,
 )
 from npfm.figures import where as figure
 from npfm.fitting.objective import Objective, channel_samples, evaluate, fold
 from npfm.reflectance.table import Table
+from npfm.rendering.scenes import Scene
+from npfm.rendering.view_angles import NOTHING, view_angles
 from npfm.storage.pictures import write_exr
 
 OBJECTIVE = Objective()
+SPHERE = Scene(("sphere",))
 
 
 def worse(table):
@@ -80,11 +82,12 @@ def test_a_reciprocal_measurement_has_no_floor(table):
 
 
 def test_pixels_slant_as_a_sphere_does():
-    slant = slants(64)
-    assert np.isnan(slant[0, 0])
-    assert np.nanmin(slant) < 3
+    slant = view_angles(SPHERE, 64)
+    seen = slant[slant < NOTHING]
+    assert slant[0, 0] == NOTHING
+    assert seen.min() < 3
     # The camera is 4.4 radii away: the silhouette is where the view grazes.
-    assert 85 < np.nanmax(slant) <= 90
+    assert 85 < seen.max() <= 90
     # Against the angle at the sphere of the triangle camera, centre, point.
     row, column = 40, 20
     extent = np.tan(np.radians(15))
@@ -94,8 +97,8 @@ def test_pixels_slant_as_a_sphere_does():
 
 
 def test_errors_of_pictures_lie_where_the_pixels_slant():
-    slant = slants(32)
-    inside = np.isfinite(slant)
+    slant = view_angles(SPHERE, 32)
+    inside = slant < NOTHING
     reference, picture = np.ones((32, 32, 3)), np.ones((32, 32, 3))
     steep = inside & (slant >= 60) & (slant < 70)
     picture[steep] += 0.1
@@ -107,8 +110,7 @@ def test_errors_of_pictures_lie_where_the_pixels_slant():
 
 @pytest.fixture
 def gathered(tmp_path, table):
-    slant = slants(16)
-    alpha = np.isfinite(slant).astype("f4")[..., None]
+    alpha = (view_angles(SPHERE, 16) < NOTHING).astype("f4")[..., None]
     folder = tmp_path / "renders" / "A" / "paint"
     for name, level in (("measured", 1.0), ("one", 1.1), ("two", 1.2)):
         picture = np.concatenate([np.full((16, 16, 3), level, "f4"), alpha], axis=2)

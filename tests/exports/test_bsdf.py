@@ -18,9 +18,9 @@ from npfm.reflectance.rgl import read_bsdf
 from npfm.reflectance.rgl import tabulate as tabulate_rgl
 from npfm.reflectance.table import Table
 from npfm.reflectance.warps import Warp, between, forward
-from npfm.rendering.assembly import build, camera_offsets
+from npfm.rendering.assembly import build
 from npfm.rendering.lights.environment import Environment, tabulate
-from npfm.rendering.scenes import CAMERA, Scene, place
+from npfm.rendering.scenes import CAMERA, Scene, camera_offsets, place
 from npfm.rendering.transport import render
 
 mi = pytest.importorskip("mitsuba", reason="needs pip install npfm[mitsuba]")

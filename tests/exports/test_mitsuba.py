@@ -14,11 +14,11 @@ from npfm.reflectance.factored import Angles
 from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.merl import write_binary
 from npfm.reflectance.table import Table
-from npfm.rendering.assembly import build, camera_offsets
+from npfm.rendering.assembly import build
 from npfm.rendering.lights.environment import Environment
 from npfm.rendering.sampling import registry
 from npfm.rendering.sampling.strategy import Given
-from npfm.rendering.scenes import CAMERA, Scene, place
+from npfm.rendering.scenes import CAMERA, Scene, camera_offsets, place
 from npfm.rendering.shading import Shading
 from npfm.rendering.transport import render
 

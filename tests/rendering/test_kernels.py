@@ -9,13 +9,13 @@ from scipy.sparse import coo_array
 
 from npfm.reflectance.directional import Directional
 from npfm.reflectance.half_difference import MERL, HalfDifference
-from npfm.rendering import assembly, fused, kernels, row_sums
+from npfm.rendering import fused, kernels, row_sums
 from npfm.rendering.assembly import build
 from npfm.rendering.directions import Combined, unit_square
 from npfm.rendering.lights.environment import Environment
 from npfm.rendering.sampling.half_vector import HalfVectorSampling
 from npfm.rendering.sampling.light import LightSampling
-from npfm.rendering.scenes import CAMERA, Scene, place
+from npfm.rendering.scenes import CAMERA, Scene, camera_offsets, place
 from npfm.rendering.surfaces import look
 
 SCENES = [
@@ -36,7 +36,7 @@ def light(rows=16, dark=0.3):
 
 
 def surface(scene, environment, grid, resolution=9):
-    offsets = assembly.camera_offsets(scene)
+    offsets = camera_offsets(scene)
     return look(CAMERA, place(scene), environment, offsets, resolution, tangents=grid.anisotropic)[
         0
     ], len(offsets)

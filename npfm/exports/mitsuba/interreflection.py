@@ -22,11 +22,10 @@ from npfm.exports.mitsuba import plugin, shapes
 from npfm.exports.mitsuba.reflectance import Reflectance
 from npfm.exports.mitsuba.samplers import Sampler
 from npfm.reflectance.table import Table
-from npfm.rendering.assembly import camera_offsets
 from npfm.rendering.geometry import OFFSET
 from npfm.rendering.lights.environment import Environment
 from npfm.rendering.sampling.low_discrepancy import low_discrepancy, rotate
-from npfm.rendering.scenes import CAMERA, Scene, place
+from npfm.rendering.scenes import CAMERA, Scene, camera_offsets, place
 from npfm.rendering.surfaces import Surface, look
 
 #: Reflections on a path at most, the first that the camera sees included.
