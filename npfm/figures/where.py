@@ -21,6 +21,7 @@ TITLES = {
 }
 #: More materials than these do not fit on a page.
 MOST_MATERIALS = 6
+LEFT = "what no reciprocal model can remove"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -67,19 +68,25 @@ def draw(table: pd.DataFrame, colors: Mapping[str, str] | None = None) -> Figure
                 row[-1].set_ylabel("% of squared\nerror")
         for ax, angle in zip(axes[-1], angles, strict=True):
             ax.set_xlabel(TITLES[angle])
-        handles, labels = axes[0, 0].get_legend_handles_labels()
+        # A material may lack a variant, or cells to tell of it.
+        found = [ax.get_legend_handles_labels() for ax in axes.ravel()]
+        named = {label: handle for pair in found for handle, label in zip(*pair, strict=True)}
+        labels = [label for label in (*looks, LEFT) if label in named]
+        handles = [named[label] for label in labels]
         figure.legend(handles, labels, loc="outside lower center", ncols=6, frameon=False)
     return figure
 
 
 def _panel(ax: Axes, shown: pd.DataFrame, looks: Mapping[str, style.Look]) -> None:
     """Draw the parts in bins, all of one width, since those of small angles are narrow."""
+    if shown.empty:
+        return
     parts = dict(iter(shown.groupby("variant", sort=False)))
     edges = [*shown["from_degrees"].unique(), shown["to_degrees"].max()]
     places = np.arange(len(edges) - 1)
     if RECIPROCAL in parts:
         height = parts[RECIPROCAL]["percent"]
-        ax.bar(places, height, 1.0, color="0.85", label="what no reciprocal model can remove")
+        ax.bar(places, height, 1.0, color="0.85", label=LEFT)
     for variant, look in looks.items():
         if variant in parts:
             ax.plot(places, parts[variant]["percent"], color=look.color, label=variant, **look.mark)

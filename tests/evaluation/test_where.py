@@ -145,3 +145,14 @@ def test_the_figure_shows_the_least_reciprocal_of_many(gathered):
     )
     drawn = figure.draw(many)
     assert [ax.get_title(loc="left") for ax in drawn.axes[::4]] == [f"m{k}" for k in range(3, 9)]
+
+
+def test_the_legend_has_what_only_some_materials_have(gathered):
+    first = gathered["material"] + "-first"
+    some = gathered.assign(material=first)[gathered["variant"] != "two"]
+    some = some[some["angle"] != "slant"]  # as of a material that no picture was rendered of
+    drawn = figure.draw(pd.concat([some, gathered]))
+    [legend] = drawn.legends
+    labels = [text.get_text() for text in legend.get_texts()]
+    assert labels == ["one", "two", figure.LEFT]
+    assert "nan" not in [label.get_text() for ax in drawn.axes for label in ax.get_xticklabels()]
