@@ -58,7 +58,7 @@ def compared(given: argparse.Namespace, folder: Path) -> pd.DataFrame:
     made = pd.DataFrame(pairs, columns=["material", "variant"])
     shown = [(Shown("A", 1.0, 2.2), str(folder / "light.exr"))]
     page = folder / "demo.html"
-    demo.write(page, "benchmark", given.run, shown, made, given.materials, {})
+    demo.write(page, "benchmark", given.run, shown, made, given.materials)
     pairs += [(material, CELLS) for material in given.materials]
     jobs = [({"material": m, "left": demo_name(v)}, seed) for m, v in pairs for seed in (1, 2)]
     tables = {}

@@ -83,7 +83,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for kind in (one, all_):
         kind.add_argument("--quality", required=True, help="CSV made by npfm quality")
         kind.add_argument("--demo", action="store_true", help="link to demo.html of the gallery")
-    for kind in (one, all_, demo_):
         style.add_colors(kind)
     for kind, written, beside in (
         (one, PAGE, THUMBNAILS),
@@ -144,8 +143,7 @@ def _demo(a: argparse.Namespace) -> None:
         raise NpfmError(f"{len(a.scenes)} scenes and {len(a.lights)} lights; give one to each")
     made = tables.read(a.fits, ["material", "variant"], [])
     scenes = list(zip(map(_scene, a.scenes), a.lights, strict=True))
-    colors = style.colors(a)
-    demo.write(a.output, a.name, a.run, scenes, made, a.measured, colors, figure=a.figure)
+    demo.write(a.output, a.name, a.run, scenes, made, a.measured, figure=a.figure)
 
 
 def _table(a: argparse.Namespace) -> None:

@@ -93,7 +93,6 @@ use rule npfm as gallery_demo with:
             *option("--scenes", RUN.tones),
             *option("--measured", RUN.demo_tables),
             *(["--figure"] if RUN.demo_figure else []),
-            *RUN.colors_option,
         ],
 
 

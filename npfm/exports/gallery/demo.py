@@ -7,7 +7,7 @@ the BRDF is evaluated from its factors, which are a texture. The functions of GL
 
 import json
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from npfm.exports.gallery import looks, page
+from npfm.exports.gallery import page
 from npfm.exports.gallery.lights import coarse
 from npfm.exports.gallery.material import Scene
 from npfm.exports.shaders.shader import FOLDER, MODELS, Shader, shader
@@ -53,7 +53,6 @@ def write(
     scenes: Sequence[tuple[Scene, str]],
     made: pd.DataFrame,
     measured: Sequence[str],
-    colors: Mapping[str, str],
     *,
     figure: bool = False,
 ) -> None:
@@ -74,8 +73,6 @@ def write(
         shown. Fits of models that have no function of GLSL are left out.
     measured : sequence of str
         Materials whose tables lie in ``tables/`` beside the page (`write_table`).
-    colors : mapping of str to str
-        Of some variants, in place of the project's.
     figure : bool
         Whether there is one beside the page (`npfm.exports.gallery.figure`).
 
@@ -90,7 +87,6 @@ def write(
     materials = [material for material in first if material in shown]
     files = list(dict.fromkeys(file for _, file in scenes))
     maps = [coarse(environment.read(file)) for file in files]
-    look = {each["name"]: each for each in looks.variants(variants, colors)}
     data = {
         "run": name,
         "materials": materials,
@@ -98,7 +94,7 @@ def write(
         "measured": [material for material in materials if material in set(measured)],
         "scenes": [{**vars(scene), "light": files.index(file)} for scene, file in scenes],
         "lights": [{"rows": m.shape[0], "columns": m.shape[1]} for m in maps],
-        "variants": [{**look[key], **_described(one)} for key, one in variants.items()],
+        "variants": [{"name": key, **_described(one)} for key, one in variants.items()],
         "figure": figure,
         "camera": {"distance": CAMERA.distance, "field": CAMERA.field},
         "shaders": {
@@ -127,7 +123,6 @@ def _variants(run: Path, made: pd.DataFrame) -> dict[str, _Variant]:
 def _described(variant: _Variant) -> dict[str, Any]:
     first = variant.shaders[0]
     return {
-        "model": variant.model,
         "editable": variant.model in EDITABLE,
         "materials": variant.materials,
         "source": first.source,

@@ -66,8 +66,6 @@ def _light(turned: Turned, tone: tuple[float, float], colors: Mapping[str, str])
         "looks": looks.variants(fits, colors),
         "height": height,
         "width": width,
-        "exposure": tone[0],
-        "gamma": tone[1],
         "psnr": [[page.number(round(v, DECIMALS)) for v in row] for row in turned.psnr().tolist()],
         "sheet": _data_address(sheet(turned, tone)),
     }

@@ -7,20 +7,20 @@ const state = { material: null, left: null, right: NONE, scene: 0, object: SPHER
   split: 0.5, light: [0, 0], figure: [0, 0], turns: "light", running: true };
 let sides = [], lit = null, front = null, back = null, pairs = 0, passes = 0, count = 1, asking = 0, seed = 0;
 
-const variantsOf = (material) => DATA.variants.filter((look) => look.materials.includes(material)).map((look) => look.name);
+const variantsOf = (material) => DATA.variants.filter((shader) => shader.materials.includes(material)).map((shader) => shader.name);
 const choicesOf = (material) => [...(DATA.measured.includes(material) ? [MEASURED] : []), ...variantsOf(material)];
-const editable = (choice) => DATA.variants.some((look) => look.name === choice && look.editable);
+const editable = (choice) => DATA.variants.some((shader) => shader.name === choice && shader.editable);
 
 // What one side of the picture is rendered from: its program, and the values of that.
 async function sideOf(choice, material) {
   const factor = 2 ** state.roughness, known = variantsOf(material);
   const by = choice === MEASURED ? known[0] : choice;
-  const look = DATA.variants.find((each) => each.name === by);
-  const own = look && (await rows(by, material, choice === MEASURED ? 1 : factor));
-  const D = look && distribution(own, look.constants);
+  const shader = DATA.variants.find((each) => each.name === by);
+  const own = shader && (await rows(by, material, choice === MEASURED ? 1 : factor));
+  const D = shader && distribution(own, shader.constants);
   if (choice !== MEASURED) {
-    const source = `uniform sampler2D fitted;\n${look.source}\nvec3 npfm_row(int k) { return texelFetch(fitted, ivec2(k, 0), 0).rgb; }\n`;
-    return { program: program(source + DATA.shaders.trace), fitted: numbers(look.rows, 1, 3, own), facets: facetsOf(D, 0) };
+    const source = `uniform sampler2D fitted;\n${shader.source}\nvec3 npfm_row(int k) { return texelFetch(fitted, ivec2(k, 0), 0).rgb; }\n`;
+    return { program: program(source + DATA.shaders.trace), fitted: numbers(shader.rows, 1, 3, own), facets: facetsOf(D, 0) };
   }
   const table = await measuredTable(material);
   // Whatever its D is, half vectors of all widths are chosen as well.
@@ -144,7 +144,7 @@ function tell() {
   byId("roughness").disabled = !edited.length;
   byId("roughness").value = state.roughness;
   byId("roughness-said").textContent = edited.length ? `slopes × ${factor}, of ${[...new Set(edited)].join(" and ")}`
-    : `only of ${DATA.variants.filter((look) => look.editable).map((look) => look.name).join(", ") || "models of microfacets, which the run has not"}`;
+    : `only of ${DATA.variants.filter((shader) => shader.editable).map((shader) => shader.name).join(", ") || "models of microfacets, which the run has not"}`;
   byId("turns").hidden = state.object === SPHERE;
   for (const what of ["light", "figure"]) byId(`turn-${what}`).setAttribute("aria-pressed", state.turns === what);
   byId("pause").setAttribute("aria-pressed", !state.running);

@@ -12,11 +12,11 @@ const rowsOf = new Map();
 
 // Rows of the fit of a variant to a material, its slopes so many times as steep.
 async function rows(variant, material, roughness) {
-  const look = DATA.variants.find((each) => each.name === variant);
-  if (!rowsOf.has(variant)) rowsOf.set(variant, await floats(DATA.lights.length + DATA.variants.indexOf(look)));
-  const start = 3 * look.rows * look.materials.indexOf(material);
-  const own = rowsOf.get(variant).slice(start, start + 3 * look.rows);
-  return look.editable && roughness !== 1 ? rougher(own, look.constants, roughness) : own;
+  const shader = DATA.variants.find((each) => each.name === variant);
+  if (!rowsOf.has(variant)) rowsOf.set(variant, await floats(DATA.lights.length + DATA.variants.indexOf(shader)));
+  const start = 3 * shader.rows * shader.materials.indexOf(material);
+  const own = rowsOf.get(variant).slice(start, start + 3 * shader.rows);
+  return shader.editable && roughness !== 1 ? rougher(own, shader.constants, roughness) : own;
 }
 
 // As npfm edit --roughness: npfm.reflectance.slopes.rougher, or alpha of a formula.
