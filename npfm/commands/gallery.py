@@ -3,29 +3,42 @@
 import argparse
 import re
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from npfm.commands.outputs import output
-from npfm.datasets import published_factors
 from npfm.errors import NpfmError
-from npfm.evaluation import quality, tables
-from npfm.exports.gallery import demo, figure, material, overview
-from npfm.exports.gallery.page import PAGE
-from npfm.exports.gallery.pixels import THUMBNAILS
-from npfm.figures import style
-from npfm.reflectance.merl import read_binary
+from npfm.exports.gallery.kinds import FIGURE, PAGE, TABLE, THUMBNAILS
+from npfm.figures import own_colors
+
+if TYPE_CHECKING:
+    from npfm.exports.gallery.material import Scene
 
 #: What a digest covers beside this file (`npfm.run.provenance`).
 CODE = (
     "npfm.commands.outputs",
-    "npfm.evaluation.quality",
-    "npfm.evaluation.tables",
-    "npfm.exports.gallery.demo",
-    "npfm.exports.gallery.figure",
-    "npfm.exports.gallery.material",
-    "npfm.exports.gallery.overview",
-    "npfm.datasets.published_factors",
-    "npfm.reflectance.merl",
+    "npfm.exports.gallery.kinds",
+    "npfm.figures.own_colors",
 )
+#: And what it covers for each of the kinds, which are imported where they are made.
+CODE_OF_KIND = {
+    "material": (
+        "npfm.datasets.published_factors",
+        "npfm.evaluation.quality",
+        "npfm.exports.gallery.material",
+    ),
+    "overview": (
+        "npfm.evaluation.quality",
+        "npfm.evaluation.tables",
+        "npfm.exports.gallery.overview",
+    ),
+    "demo": (
+        "npfm.evaluation.tables",
+        "npfm.exports.gallery.demo",
+        "npfm.exports.gallery.material",
+    ),
+    "table": ("npfm.exports.gallery.demo", "npfm.reflectance.merl"),
+    "figure": ("npfm.exports.gallery.figure",),
+}
 EXAMPLE = """\
 examples:
   python -m npfm gallery material chrome --run results/neural-10 --scenes A=1,2.2 B=1,2.8 \\
@@ -83,13 +96,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for kind in (one, all_):
         kind.add_argument("--quality", required=True, help="CSV made by npfm quality")
         kind.add_argument("--demo", action="store_true", help="link to demo.html of the gallery")
-        style.add_colors(kind)
+        own_colors.add_colors(kind)
     for kind, written, beside in (
         (one, PAGE, THUMBNAILS),
         (all_, PAGE, None),
         (demo_, PAGE, None),
-        (table, demo.TABLE, None),
-        (shape, figure.FIGURE, None),
+        (table, TABLE, None),
+        (shape, FIGURE, None),
     ):
         kind.add_argument(
             "-o",
@@ -107,6 +120,10 @@ def run(arguments: argparse.Namespace) -> str:
 
 
 def _material(a: argparse.Namespace) -> None:
+    from npfm.datasets import published_factors
+    from npfm.evaluation import quality
+    from npfm.exports.gallery import material
+
     published = published_factors.read(a.published).get(a.material, {}) if a.published else {}
     material.write(
         a.output,
@@ -116,12 +133,15 @@ def _material(a: argparse.Namespace) -> None:
         a.variants,
         quality.read(a.quality),
         published,
-        style.colors(a),
+        own_colors.colors(a),
         demo=a.demo,
     )
 
 
 def _overview(a: argparse.Namespace) -> None:
+    from npfm.evaluation import quality, tables
+    from npfm.exports.gallery import overview
+
     fits = tables.read(a.fits, ["material", "variant"], ["seconds", "objective"])
     sizes = tables.read(a.summary, ["variant"], ["bytes"])
     diffuse = tables.read(a.materials, ["material"], ["diffuseness"]) if a.materials else None
@@ -132,13 +152,16 @@ def _overview(a: argparse.Namespace) -> None:
         fits,
         dict(zip(sizes.variant, sizes.bytes.astype(int), strict=True)),
         {} if diffuse is None else dict(zip(diffuse.material, diffuse.diffuseness, strict=True)),
-        style.colors(a),
+        own_colors.colors(a),
         demo=a.demo,
         videos=a.videos,
     )
 
 
 def _demo(a: argparse.Namespace) -> None:
+    from npfm.evaluation import tables
+    from npfm.exports.gallery import demo
+
     if len(a.lights) != len(a.scenes):
         raise NpfmError(f"{len(a.scenes)} scenes and {len(a.lights)} lights; give one to each")
     made = tables.read(a.fits, ["material", "variant"], [])
@@ -147,14 +170,19 @@ def _demo(a: argparse.Namespace) -> None:
 
 
 def _table(a: argparse.Namespace) -> None:
+    from npfm.exports.gallery import demo
+    from npfm.reflectance.merl import read_binary
+
     demo.write_table(a.output, read_binary(a.table))
 
 
 def _figure(a: argparse.Namespace) -> None:
+    from npfm.exports.gallery import figure
+
     figure.write(a.output, a.mesh)
 
 
-def _scene(given: str) -> material.Scene:
+def _scene(given: str) -> "Scene":
     """Return the scene that NAME=EXPOSURE,GAMMA stands for.
 
     Raises
@@ -162,10 +190,12 @@ def _scene(given: str) -> material.Scene:
     NpfmError
         If it is written otherwise, or a number is not positive.
     """
+    from npfm.exports.gallery.material import Scene
+
     found = re.fullmatch(r"(.+)=([^=,]+),([^=,]+)", given)
     try:
         name, exposure, gamma = found.groups() if found else ("", "", "")
-        scene = material.Scene(name, float(exposure), float(gamma))
+        scene = Scene(name, float(exposure), float(gamma))
     except ValueError as error:
         raise NpfmError(f"--scenes: '{given}' is not written NAME=EXPOSURE,GAMMA") from error
     if not (0 < scene.exposure < float("inf") and 0 < scene.gamma < float("inf")):

@@ -14,7 +14,6 @@ from npfm.commands.sources import table
 from npfm.errors import NpfmError
 from npfm.evaluation import psnr_level as study
 from npfm.evaluation import tables
-from npfm.papers.bagher2016 import MEAN_PSNR_DB
 from npfm.reflectance.table_files import read_table
 from npfm.storage.bounds import check_size
 from npfm.storage.names import distinct
@@ -27,13 +26,15 @@ CODE = (
     "npfm.commands.sources",
     "npfm.evaluation.psnr_level",
     "npfm.evaluation.tables",
-    "npfm.papers.bagher2016",
     "npfm.storage.bounds",
     "npfm.storage.names",
     "npfm.storage.pictures",
 )
 #: And what it covers for some of the kinds.
-CODE_OF_KIND = {"angles": ("npfm.rendering.view_angles",)}
+CODE_OF_KIND = {
+    "angles": ("npfm.rendering.view_angles",),
+    "table": ("npfm.papers.bagher2016",),
+}
 EXAMPLE = """\
 examples:
   python -m npfm psnr-level angles --objects figure sphere --mesh buddha.ply \\
@@ -87,6 +88,8 @@ def run(arguments: argparse.Namespace) -> None:
     elif arguments.kind == "measure":
         tables.write(arguments.output, _measured(arguments))
     else:
+        from npfm.papers.bagher2016 import MEAN_PSNR_DB
+
         levels = study.levels(study.read(arguments.found), MEAN_PSNR_DB)
         tables.write(arguments.output, levels)
 

@@ -7,31 +7,48 @@ import numpy as np
 
 from npfm.commands.numbers import positive
 from npfm.commands.outputs import output
-from npfm.commands.sources import table
 from npfm.errors import NpfmError
-from npfm.evaluation import turned_light
-from npfm.exports.gallery import starts, video
-from npfm.exports.gallery.page import PAGE
-from npfm.figures import animations, style
-from npfm.fitting import iterations
+from npfm.exports.gallery.kinds import PAGE
+from npfm.figures import own_colors
 from npfm.reflectance.table import CHANNELS
-from npfm.reflectance.table_files import read_table
 from npfm.storage.animations import GIF, write_gif
-from npfm.storage.names import distinct
 from npfm.storage.pictures import EXR
 
 #: What a digest covers beside this file (`npfm.run.provenance`).
 CODE = (
     "npfm.commands.numbers",
     "npfm.commands.outputs",
-    "npfm.commands.sources",
-    "npfm.evaluation.turned_light",
-    "npfm.exports.gallery.video",
-    "npfm.figures.animations",
-    "npfm.fitting.iterations",
+    "npfm.exports.gallery.kinds",
+    "npfm.figures.own_colors",
+    "npfm.reflectance.table",
     "npfm.storage.animations",
-    "npfm.storage.names",
+    "npfm.storage.pictures",
 )
+#: And what it covers for each of the kinds, which are imported where they are made: frames are
+#: rendered in scenes that are built for them alone.
+CODE_OF_KIND = {
+    "frames": (
+        "npfm.commands.sources",
+        "npfm.evaluation.turned_light",
+        "npfm.reflectance.table_files",
+        "npfm.storage.names",
+    ),
+    "page": (
+        "npfm.evaluation.turned_light",
+        "npfm.exports.gallery.video",
+        "npfm.fitting.iterations",
+    ),
+    "light": (
+        "npfm.evaluation.turned_light",
+        "npfm.exports.gallery.video",
+        "npfm.figures.animations",
+    ),
+    "starts": (
+        "npfm.exports.gallery.starts",
+        "npfm.figures.animations",
+        "npfm.fitting.iterations",
+    ),
+}
 EXAMPLE = """\
 examples:
   python -m npfm fit chrome.binary --model independent-g --iterations starts.npz -o chrome.npz
@@ -70,7 +87,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for kind in (page, starts):
         kind.add_argument("--iterations", required=True, help="made by npfm fit --iterations")
     page.add_argument("--materials", nargs="+", default=[], help="pages that lie beside it")
-    style.add_colors(page)
+    own_colors.add_colors(page)
     starts.add_argument("--channel", choices=CHANNELS, default="green", help="(default: green)")
     for kind, written in ((frames, EXR), (page, PAGE), (light, GIF), (starts, GIF)):
         kind.add_argument(
@@ -87,6 +104,11 @@ def run(arguments: argparse.Namespace) -> str:
 
 
 def _frames(a: argparse.Namespace) -> None:
+    from npfm.commands.sources import table
+    from npfm.evaluation import turned_light
+    from npfm.reflectance.table_files import read_table
+    from npfm.storage.names import distinct
+
     distinct(Path(scene).name for scene in a.scenes)
     if wrong := [given for given in a.fits if not all(given.partition("="))]:
         raise NpfmError(f"--fits: '{wrong[0]}' is not written VARIANT=FILE")
@@ -99,6 +121,10 @@ def _frames(a: argparse.Namespace) -> None:
 
 
 def _page(a: argparse.Namespace) -> None:
+    from npfm.evaluation import turned_light
+    from npfm.exports.gallery import video
+    from npfm.fitting import iterations
+
     video.write(
         a.output,
         a.material,
@@ -106,11 +132,15 @@ def _page(a: argparse.Namespace) -> None:
         iterations.load(a.iterations),
         turned_light.read(a.frames),
         (a.exposure, a.gamma),
-        style.colors(a),
+        own_colors.colors(a),
     )
 
 
 def _light(a: argparse.Namespace) -> None:
+    from npfm.evaluation import turned_light
+    from npfm.exports.gallery import video
+    from npfm.figures import animations
+
     turned = turned_light.read(a.frames)
     shown = video.shown(turned, (a.exposure, a.gamma))
     drawn = animations.light(a.material, turned.degrees, turned.names, shown, turned.psnr())
@@ -119,6 +149,10 @@ def _light(a: argparse.Namespace) -> None:
 
 
 def _starts(a: argparse.Namespace) -> None:
+    from npfm.exports.gallery import starts
+    from npfm.figures import animations
+    from npfm.fitting import iterations
+
     found = iterations.load(a.iterations)
     channel = CHANNELS.index(a.channel)
     factors = starts.relative(found)

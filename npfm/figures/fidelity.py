@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from npfm.evaluation import tables
-from npfm.figures import style
+from npfm.figures import own_colors, style
 
 #: What is drawn from top to bottom, by columns of the table.
 PANELS = {
@@ -22,13 +22,13 @@ PANELS = {
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the figure is made from."""
     parser.add_argument("--table", required=True, help="CSV made by tables fidelity")
-    style.add_colors(parser)
+    own_colors.add_colors(parser)
 
 
 def make(arguments: argparse.Namespace) -> Figure:
     """Draw the figure from the table that the arguments name."""
     table = tables.read(arguments.table, ["material", "variant"], list(PANELS))
-    return draw(table, style.colors(arguments))
+    return draw(table, own_colors.colors(arguments))
 
 
 def draw(table: pd.DataFrame, colors: Mapping[str, str] | None = None) -> Figure:

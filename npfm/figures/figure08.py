@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from npfm.errors import NpfmError
 from npfm.evaluation import quality, tables
 from npfm.evaluation.quality import Metric
-from npfm.figures import style
+from npfm.figures import own_colors, style
 
 PSNR = quality.METRICS["psnr"]
 REFERENCE_VARIANT = "independent-g"  # whose error sorts the materials in the paper
@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--materials", help="CSV made by npfm tables materials; needed for --order diffuseness"
     )
-    style.add_colors(parser)
+    own_colors.add_colors(parser)
 
 
 def make(arguments: argparse.Namespace) -> Figure:
@@ -65,7 +65,7 @@ def make(arguments: argparse.Namespace) -> Figure:
             order = by_diffuseness(values, materials)
     except NpfmError as error:
         raise NpfmError(f"{a.materials or a.psnr or a.quality}: {error}") from error
-    return draw(values, order, ORDERS[a.order], style.colors(a), metric)
+    return draw(values, order, ORDERS[a.order], own_colors.colors(a), metric)
 
 
 def _values(psnr: str | None, table: str | None, name: str | None) -> tuple[pd.DataFrame, Metric]:

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from npfm.evaluation.accuracy_cost import FITS, read
 from npfm.evaluation.metrics import mean_db
-from npfm.figures import style
+from npfm.figures import own_colors, style
 
 HEIGHT, LEGEND_LINE, LEGEND_COLUMNS = 2.6, 0.16, 3  # inches, but for the columns
 LARGEST_MARK = 260.0  # square points, for the most bytes
@@ -24,12 +24,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--fits", nargs="+", required=True, help="CSVs made by npfm accuracy-cost fits"
     )
-    style.add_colors(parser)
+    own_colors.add_colors(parser)
 
 
 def make(arguments: argparse.Namespace) -> Figure:
     """Draw the figure from the tables that the arguments name."""
-    return draw(read(arguments.fits, FITS), style.colors(arguments))
+    return draw(read(arguments.fits, FITS), own_colors.colors(arguments))
 
 
 def draw(fits: pd.DataFrame, colors: Mapping[str, str] | None = None) -> Figure:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from npfm.evaluation.psnr_level import ALL, read_levels
-from npfm.figures import style
+from npfm.figures import own_colors, style
 
 HEIGHT, LEGEND = 2.6, 0.5  # inches; of a row of panels, and of what stands above them
 COLUMNS = 3
@@ -19,12 +19,12 @@ PRINTED = "in the paper"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the figure is made from."""
     parser.add_argument("--levels", required=True, help="CSV made by npfm psnr-level table")
-    style.add_colors(parser)
+    own_colors.add_colors(parser)
 
 
 def make(arguments: argparse.Namespace) -> Figure:
     """Draw the figure from the table that the arguments name."""
-    return draw(read_levels(arguments.levels), style.colors(arguments))
+    return draw(read_levels(arguments.levels), own_colors.colors(arguments))
 
 
 def draw(levels: pd.DataFrame, colors: Mapping[str, str] | None = None) -> Figure:

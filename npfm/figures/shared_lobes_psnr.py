@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from npfm.errors import NpfmError
 from npfm.evaluation import tables
 from npfm.evaluation.shared_lobes import PSNR, wins
-from npfm.figures import style
+from npfm.figures import own_colors, style
 from npfm.papers import peng2017
 
 OURS, OTHER = "shared-lobes", "independent-g"
@@ -22,7 +22,7 @@ MOST_NAMED = 40
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the figure is made from."""
     parser.add_argument("--psnr", required=True, help="CSV made by npfm shared-lobes psnr")
-    style.add_colors(parser)
+    own_colors.add_colors(parser)
 
 
 def make(arguments: argparse.Namespace) -> Figure:
@@ -30,7 +30,7 @@ def make(arguments: argparse.Namespace) -> Figure:
     table = tables.read(arguments.psnr, list(PSNR[:2]), list(PSNR[2:]))
     if missing := {OURS, OTHER} - set(table["variant"]):
         raise NpfmError(f"{arguments.psnr}: no PSNR of {', '.join(sorted(missing))}")
-    return draw(table, style.colors(arguments))
+    return draw(table, own_colors.colors(arguments))
 
 
 def draw(psnr: pd.DataFrame, colors: Mapping[str, str] | None = None) -> Figure:

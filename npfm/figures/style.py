@@ -1,7 +1,5 @@
 """How every figure looks: sizes, fonts, one colour and marker a variant, and how it is saved."""
 
-import argparse
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
@@ -14,7 +12,6 @@ from matplotlib.axis import XAxis, YAxis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from npfm.errors import NpfmError
 from npfm.storage.files import Kind, check_replaceable, marked, replacing
 
 #: Inches; the text of an ACM Transactions on Graphics page is 7 in wide, a column 3.33 in.
@@ -122,31 +119,6 @@ def looks(variants: Iterable[str], colors: Mapping[str, str] | None = None) -> d
         name: replace(look, color=(colors or {}).get(name, look.color))
         for name, look in own.items()
     }
-
-
-def add_colors(parser: argparse.ArgumentParser) -> None:
-    """Declare ``--colors``, which `colors` reads."""
-    parser.add_argument(
-        "--colors",
-        nargs="+",
-        default=[],
-        metavar="NAME=#RRGGBB",
-        help="colours of variants, in place of the project's",
-    )
-
-
-def colors(arguments: argparse.Namespace) -> dict[str, str]:
-    """Return the colours that ``--colors`` names, by variant.
-
-    Raises
-    ------
-    NpfmError
-        If one is not written NAME=#RRGGBB.
-    """
-    for given in arguments.colors:
-        if not re.fullmatch("[^=]+=#[0-9A-Fa-f]{6}", given):
-            raise NpfmError(f"--colors: '{given}' is not written NAME=#RRGGBB")
-    return dict(given.split("=") for given in arguments.colors)
 
 
 def context() -> AbstractContextManager:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from npfm.evaluation import tables
 from npfm.evaluation.where import RECIPROCAL
-from npfm.figures import style
+from npfm.figures import own_colors, style
 
 #: Columns of the figure, and what their axes are.
 TITLES = {
@@ -27,14 +27,14 @@ LEFT = "what no reciprocal model can remove"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the figure is made from."""
     parser.add_argument("--table", required=True, help="CSV made by tables where")
-    style.add_colors(parser)
+    own_colors.add_colors(parser)
 
 
 def make(arguments: argparse.Namespace) -> Figure:
     """Draw the figure from the table that the arguments name."""
     numbers = ["from_degrees", "to_degrees", "percent"]
     table = tables.read(arguments.table, ["material", "variant", "angle"], numbers)
-    return draw(table, style.colors(arguments))
+    return draw(table, own_colors.colors(arguments))
 
 
 def draw(table: pd.DataFrame, colors: Mapping[str, str] | None = None) -> Figure:

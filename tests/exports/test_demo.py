@@ -10,7 +10,8 @@ from browser import opened
 
 from npfm.__main__ import main
 from npfm.evaluation import tables
-from npfm.exports.gallery.demo import TABLE_START, write_table
+from npfm.exports.gallery.demo import write_table
+from npfm.exports.gallery.kinds import TABLE_START
 from npfm.exports.gallery.lights import coarse
 from npfm.exports.shaders.shader import shader
 from npfm.fitting import fits, registry

@@ -10,7 +10,7 @@ from PIL import Image
 from npfm.__main__ import main
 from npfm.errors import NpfmError
 from npfm.evaluation import quality, tables
-from npfm.figures import figure08, style
+from npfm.figures import figure08, own_colors, style
 
 MATERIALS = ["wood", "chrome", "felt"]
 PSNR = {
@@ -143,7 +143,7 @@ def test_a_colour_of_the_users_takes_the_place_of_ours():
     assert looks["naive"].marker == style.LOOKS["naive"].marker
     assert looks["bivariate"] == style.LOOKS["bivariate"]
     with pytest.raises(NpfmError, match="'naive' is not written"):
-        style.colors(argparse.Namespace(colors=["naive"]))
+        own_colors.colors(argparse.Namespace(colors=["naive"]))
 
 
 def test_the_verb_draws_the_same_bytes_again(tmp_path, monkeypatch):

@@ -135,18 +135,38 @@ CALLS = [
     ("quality gather", [], "quality gather quality.csv -o x.csv"),
     ("quality summary", [], "quality summary quality.csv -o x.csv"),
     (
-        "gallery",
+        "gallery material",
         [],
         "gallery material chalk --run . --scenes A=1,2 --variants naive --quality quality.csv"
         " -o x.html",
     ),
-    ("gallery", [], "gallery table chalk.binary -o x.js"),
     (
-        "video",
+        "gallery overview",
+        [],
+        "gallery overview run --quality quality.csv --fits rated.csv --summary summary.csv"
+        " -o x.html",
+    ),
+    (
+        "gallery demo",
+        [],
+        "gallery demo run --run . --scenes A=1,2 --lights lights/grove.exr --fits fits.csv"
+        " -o x.html",
+    ),
+    ("gallery table", [], "gallery table chalk.binary -o x.js"),
+    ("gallery figure", [], "gallery figure -o x.js"),
+    (
+        "video frames",
         models("naive"),
         "video frames materials/chalk.binary --scenes scenes/0 --fits naive=fits/naive/chalk.npz"
         " -o x.exr",
     ),
+    (
+        "video page",
+        [],
+        "video page chalk --frames frames.exr --iterations iterations.npz -o x.html",
+    ),
+    ("video light", [], "video light chalk --frames frames.exr -o x.gif"),
+    ("video starts", [], "video starts chalk --iterations iterations.npz -o x.gif"),
     (
         "perception",
         [],
@@ -236,17 +256,22 @@ def folder(tmp_path_factory, light_file):
         f"light {light_file} --layout lat-long --height 8 -o {folder}/lights/grove.exr",
         f"scene --light {folder}/lights/grove.exr --objects sphere --resolution 8 --samples 8"
         f" --record {folder}/scenes/A.json -o {folder}/scenes/A",
+        f"scene --light {folder}/lights/grove.exr --objects sphere --resolution 8 --samples 8"
+        f" -o {folder}/scenes/0",
         f"render {folder}/scenes/A {folder}/materials/chalk.binary -o {made}/measured.exr",
         f"render {folder}/scenes/A {folder}/fits/naive/chalk.npz -o {made}/naive.exr",
         f"tables fits --run {folder} --materials chalk --variants naive -o {folder}/fits.csv",
         f"tables psnr --run {folder} --scenes A --materials chalk --variants naive"
         f" -o {folder}/psnr.csv",
         f"tables materials --run {folder} --materials chalk -o {folder}/materials.csv",
+        f"fit {folder}/materials/chalk.binary --model g-from-d --max-iterations 1"
+        f" --iterations {folder}/iterations.npz -o {folder}/g.npz",
+        f"video frames {folder}/materials/chalk.binary --scenes {folder}/scenes/0"
+        f" --fits naive={folder}/fits/naive/chalk.npz -o {folder}/frames.exr",
     ]
     for call in calls:
         assert main(call.split()) == 0
     shutil.copy(folder / "materials/chalk.binary", folder)
-    shutil.copytree(folder / "scenes/A", folder / "scenes/0")
     (folder / "x.fit").write_text(FIT)
     (folder / "paint.bsdf").write_bytes(tensor_file(fields(np.random.default_rng(1))))
     factors = dict.fromkeys("DGF", np.ones((1, 90, 3)))
@@ -255,6 +280,9 @@ def folder(tmp_path_factory, light_file):
     columns = "scene,material,variant,metric,value,unit,better"
     rows = (f"all,{name},ggx,logarithm,1,1,lower" for name in ("chalk", "slate"))
     (folder / "quality.csv").write_text("\n".join([columns, *rows, ""]))
+    columns = "material,variant,seconds,objective"
+    (folder / "rated.csv").write_text(f"{columns}\nchalk,ggx,1,1\nslate,ggx,1,1\n")
+    (folder / "summary.csv").write_text("variant,bytes\nggx,1\n")
     said = "METHOD;BRDF;DISTANCE\nGGX;chalk;0.5\nGGX;slate;0.25\n"
     (folder / "PerceptualDistances.csv").write_text(said)
     (folder / "MaterialType.csv").write_text("BRDF;Type\nchalk;Stone\n")
@@ -292,3 +320,13 @@ def test_a_verb_imports_what_it_declares_and_no_more(folder, imported, verb, cho
     entries, alone = covered(verb)
     assert modules <= closure([*entries, *chosen]) | {*alone, "npfm.__main__"}
     assert command_code(verb, *chosen) != command_code(verb, *chosen, "npfm.run.words")
+
+
+def test_how_pages_and_animations_look_renders_no_frames_again():
+    rendered = closure(covered("video frames")[0])
+    assert not {name for name in rendered if name.startswith("npfm.figures.")} - {
+        "npfm.figures",
+        "npfm.figures.own_colors",
+    }
+    assert {"npfm.exports.gallery.video", "npfm.exports.gallery.page"}.isdisjoint(rendered)
+    assert "npfm.figures.animations" in closure(covered("video starts")[0])

@@ -24,7 +24,7 @@ use rule npfm as gallery_material with:
         runtime=5,
     params:
         verb="gallery material",
-        code=command_code("gallery"),
+        code=command_code("gallery material"),
         files=lambda wildcards, input, output: [
             *("--quality", *input.quality),
             *option("--published", map(path_word, RUN.published_factors)),
@@ -52,7 +52,7 @@ use rule npfm as gallery_overview with:
         f"{OUT}/logs/gallery/index.log",
     params:
         verb="gallery overview",
-        code=command_code("gallery"),
+        code=command_code("gallery overview"),
         files=lambda wildcards, input, output: [
             *("--quality", *input.quality),
             *("--fits", *input.fits),
@@ -82,7 +82,7 @@ use rule npfm as gallery_demo with:
         f"{OUT}/logs/gallery/demo.log",
     params:
         verb="gallery demo",
-        code=command_code("gallery"),
+        code=command_code("gallery demo"),
         files=lambda wildcards, input, output: [
             *("--fits", *input.fits),
             *("--lights", *map(RUN.light, RUN.scenes)),
@@ -108,7 +108,7 @@ use rule npfm as gallery_table with:
         runtime=5,
     params:
         verb="gallery table",
-        code=command_code("gallery"),
+        code=command_code("gallery table"),
         files=lambda wildcards, input, output: [*input, "-o", *output],
 
 
@@ -124,7 +124,7 @@ use rule npfm as gallery_figure with:
         runtime=5,
     params:
         verb="gallery figure",
-        code=command_code("gallery"),
+        code=command_code("gallery figure"),
         files=lambda wildcards, input, output: ["-o", *output],
         options=[word for scene in RUN.demo_figure for word in RUN.mesh_option(scene)],
 

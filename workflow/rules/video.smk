@@ -2,7 +2,6 @@ from npfm.exports.gallery.page import templates
 from npfm.run.video import plan as plan_video
 
 VIDEO = plan_video(RUN)
-VIDEO_CODE = command_code("video", *VIDEO.modules)
 
 
 use rule fit as video_fit with:
@@ -70,7 +69,7 @@ use rule npfm as video_frames with:
         runtime=10,
     params:
         verb="video frames",
-        code=VIDEO_CODE,
+        code=command_code("video frames", *VIDEO.modules),
         files=lambda wildcards, input, output: [
             *input.table,
             *option("--scenes", input.scenes),
@@ -95,7 +94,7 @@ use rule npfm as video_page with:
         runtime=5,
     params:
         verb="video page",
-        code=VIDEO_CODE,
+        code=command_code("video page"),
         files=lambda wildcards, input, output: [
             *("--frames", *input.frames, "--iterations", input.iterations),
             *("-o", *output),
@@ -119,7 +118,7 @@ use rule npfm as video_light with:
         runtime=10,
     params:
         verb="video light",
-        code=VIDEO_CODE,
+        code=command_code("video light"),
         files=lambda wildcards, input, output: ["--frames", *input, "-o", *output],
         options=lambda wildcards: [
             wildcards.material,
@@ -139,7 +138,7 @@ use rule npfm as video_convergence with:
         runtime=10,
     params:
         verb="video starts",
-        code=VIDEO_CODE,
+        code=command_code("video starts"),
         files=lambda wildcards, input, output: ["--iterations", *input, "-o", *output],
         options=lambda wildcards: [wildcards.material],
 

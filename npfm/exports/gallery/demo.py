@@ -17,6 +17,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from npfm.exports.gallery import page
+from npfm.exports.gallery.kinds import TABLE, TABLE_START
 from npfm.exports.gallery.lights import coarse
 from npfm.exports.gallery.material import Scene
 from npfm.exports.shaders.shader import FOLDER, MODELS, Shader, shader
@@ -25,14 +26,12 @@ from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 from npfm.rendering.lights import environment
 from npfm.rendering.scenes import CAMERA
-from npfm.storage.files import Kind, marked, replacing
+from npfm.storage.files import replacing
 
 #: More would make a page of tens of megabytes.
 MOST_MATERIALS = 200
 #: Models whose roughness the page can edit, as ``npfm edit`` does.
 EDITABLE = ("power-iteration", "ggx", "ggx-fitted")
-TABLE_START = "npfmTable("
-TABLE = Kind("a table of the gallery's demo", ".js", marked(TABLE_START.encode()))
 #: Half-precision floats end at 65504; a power of two below it loses no digit of what is scaled.
 LARGEST = 2.0**15
 

@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from npfm.exports.gallery import page
+from npfm.exports.gallery.kinds import FIGURE, FIGURE_START
 from npfm.rendering.geometry import Mesh
 from npfm.rendering.scenes import Scene, place
-from npfm.storage.files import Kind, marked, replacing
+from npfm.storage.files import replacing
 
-FIGURE_START = "npfmFigure("
-FIGURE = Kind("a figure of the gallery's demo", ".js", marked(FIGURE_START.encode()))
 #: Largest of the 16-bit whole numbers that stand for coordinates from -1 to 1.
 LARGEST = 2**15 - 1
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from npfm.evaluation import quality, tables
 from npfm.evaluation.comparison import check_windows
 from npfm.exports.gallery import curves, looks, page, pixels
+from npfm.exports.gallery.kinds import THUMBNAILS
 from npfm.fitting import fits
 from npfm.storage.pictures import read_exr, read_png
 
@@ -86,7 +87,7 @@ def write(
         "errors": {"largest": LARGEST_ERROR, "colors": color_map()},
         "demo": demo,
     }
-    pixels.write_thumbnails(Path(path).with_suffix(pixels.THUMBNAILS.suffix), small)
+    pixels.write_thumbnails(Path(path).with_suffix(THUMBNAILS.suffix), small)
     page.write(path, "material", material, data, [p.content for p in packed])
 
 

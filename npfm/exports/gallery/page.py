@@ -13,11 +13,9 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-from npfm.storage.files import Kind, marked, replacing
+from npfm.exports.gallery.kinds import GENERATOR, PAGE
+from npfm.storage.files import replacing
 
-#: How a page of the gallery begins, so that nothing else is ever overwritten.
-GENERATOR = '<meta name="generator" content="npfm gallery">'
-PAGE = Kind("a page of the gallery", ".html", marked(GENERATOR.encode()))
 #: Beside the modules: what pages share, and the markup and script of each.
 FOLDER = Path(__file__).parent / "templates"
 SHARED = ("page.html", "page.css", "page.js")

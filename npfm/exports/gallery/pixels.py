@@ -10,14 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from npfm.storage.files import Kind, marked, replacing
+from npfm.exports.gallery.kinds import COMMENT, THUMBNAILS
+from npfm.storage.files import replacing
 
 #: Half-precision floats end at 65504; a power of two below it loses no digit of what is scaled.
 LARGEST = 2.0**15
 THUMBNAIL = 96  # pixels along one side of a small picture
 QUALITY = 85  # of JPEG
-COMMENT = b"npfm gallery"
-THUMBNAILS = Kind("small pictures of the gallery", ".jpg", marked(b"\xff\xd8", COMMENT))
 
 
 @dataclass(frozen=True)
