@@ -86,7 +86,7 @@ LOOKS = {
     "shifted-gamma-published": Look("#CC79A7", "p", "--", filled=False),
     "power-iteration": Look("#CC6677", "<"),
     "ggx": Look("#117733", "8"),
-    "ggx-fitted": Look("#117733", "H"),
+    "ggx-fitted": Look("#117733", "H", "-."),
     "beckmann": Look("#44AA99", "d"),
     "ward": Look("#999933", "<"),
     "ward-published": Look("#999933", "<", "--", filled=False),

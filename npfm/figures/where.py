@@ -21,6 +21,9 @@ TITLES = {
 }
 #: More materials than these do not fit on a page.
 MOST_MATERIALS = 6
+#: Where the axes of objectives begin, in percent: variants lie a factor of a hundred thousand apart.
+LEAST_PERCENT = 0.01
+LEGEND_COLUMNS = 4
 LEFT = "what no reciprocal model can remove"
 
 
@@ -55,13 +58,16 @@ def draw(table: pd.DataFrame, colors: Mapping[str, str] | None = None) -> Figure
     variants = [name for name in table["variant"].unique() if name != RECIPROCAL]
     looks = style.looks(variants, colors)
     with style.context():
-        height = 1.35 * len(materials) + 0.9
+        height = 1.35 * len(materials) + 0.5 + 0.16 * (len(looks) // LEGEND_COLUMNS + 1)
         figure = Figure(figsize=(style.PAGE_WIDTH, height), layout="constrained")
         axes = figure.subplots(len(materials), len(angles), squeeze=False, sharex="col")
         for row, material in zip(axes, materials, strict=True):
             for ax, angle in zip(row, angles, strict=True):
                 shown = table[(table["material"] == material) & (table["angle"] == angle)]
                 _panel(ax, shown, looks)
+                if angle != "slant":
+                    ax.set_yscale("log")
+                    ax.set_ylim(LEAST_PERCENT, max(ax.get_ylim()[1], 10 * LEAST_PERCENT))
             row[0].set_title(material, loc="left", pad=2)
             row[0].set_ylabel("% of black's\nobjective")
             if "slant" in angles:
@@ -73,7 +79,7 @@ def draw(table: pd.DataFrame, colors: Mapping[str, str] | None = None) -> Figure
         named = {label: handle for pair in found for handle, label in zip(*pair, strict=True)}
         labels = [label for label in (*looks, LEFT) if label in named]
         handles = [named[label] for label in labels]
-        figure.legend(handles, labels, loc="outside lower center", ncols=6, frameon=False)
+        figure.legend(handles, labels, loc="outside lower center", ncols=LEGEND_COLUMNS, frameon=False)
     return figure
 
 
@@ -89,7 +95,9 @@ def _panel(ax: Axes, shown: pd.DataFrame, looks: Mapping[str, style.Look]) -> No
         ax.bar(places, height, 1.0, color="0.85", label=LEFT)
     for variant, look in looks.items():
         if variant in parts:
-            ax.plot(places, parts[variant]["percent"], color=look.color, label=variant, **look.mark)
+            line = {"color": look.color, "linestyle": look.linestyle, **look.mark}
+            ax.plot(places, parts[variant]["percent"], label=variant, **line)
     ax.set_xticks(np.arange(len(edges)) - 0.5, [f"{edge:g}" for edge in edges], fontsize=5)
     ax.set_ylim(bottom=0)
     ax.grid(True, axis="y")
+    ax.set_axisbelow(True)
