@@ -1,7 +1,6 @@
 """``npfm accuracy-cost``."""
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from npfm.evaluation import tables
 from npfm.reflectance.table import Table
 from npfm.reflectance.table_files import read_table
 from npfm.rendering import transport
-from npfm.storage.names import distinct
+from npfm.storage.names import distinct, named
 
 #: What a digest covers beside this file (`npfm.run.provenance`).
 CODE = (
@@ -78,7 +77,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Make the table, and write it."""
     match arguments.kind:
         case "traces":
-            made = costs.traces(_pairs(arguments.fits), arguments.materials)
+            made = costs.traces(named(arguments.fits, "awls=folder"), arguments.materials)
         case "fits":
             made = _fits(arguments)
         case "sampling":
@@ -87,13 +86,6 @@ def run(arguments: argparse.Namespace) -> None:
             fits = costs.read(arguments.fits, costs.FITS)
             made = costs.cost(fits, costs.read([arguments.sampling], costs.SAMPLING))
     tables.write(arguments.output, made)
-
-
-def _pairs(arguments: Sequence[str]) -> dict[str, str]:
-    if wrong := [argument for argument in arguments if "=" not in argument]:
-        raise NpfmError(f"'{wrong[0]}' has no '='; name what is in the folder, as in name=folder")
-    distinct(argument.partition("=")[0] for argument in arguments)
-    return dict(argument.split("=", 1) for argument in arguments)
 
 
 def _materials(arguments: argparse.Namespace) -> dict[str, tuple[Table, Table]]:
@@ -114,9 +106,8 @@ def _stage(name: str) -> tuple[str, str]:
 
 def _fits(arguments: argparse.Namespace) -> pd.DataFrame:
     material = Path(arguments.table).stem
-    settings = {
-        _stage(name): f"{folder}/{material}.npz" for name, folder in _pairs(arguments.fits).items()
-    }
+    folders = named(arguments.fits, "stage:setting=folder")
+    settings = {_stage(name): f"{folder}/{material}.npz" for name, folder in folders.items()}
     names = distinct(Path(path).name for path in arguments.scenes)
     scenes = dict(zip(names, map(transport.load, arguments.scenes), strict=True))
     made = costs.fits(read_table(arguments.table), settings, scenes, table)

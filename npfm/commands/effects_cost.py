@@ -12,7 +12,7 @@ from npfm.errors import NpfmError
 from npfm.evaluation import effects_cost as costs
 from npfm.evaluation import tables
 from npfm.rendering.effects import EFFECTS
-from npfm.storage.names import distinct
+from npfm.storage.names import named
 from npfm.storage.pictures import EXR, write_exr_parts
 
 #: What a digest covers beside this file (`npfm.run.provenance`).
@@ -85,10 +85,9 @@ def run(arguments: argparse.Namespace) -> None:
         raise NpfmError("--bounced-tables and --bounced-fits need one picture of each material")
     pairs = zip(arguments.tables, arguments.fits, strict=True)
     materials = [(table(measured), table(fit)) for measured, fit in pairs]
-    shown = {
-        name: costs.show(folder, materials)
-        for name, folder in [("scene", arguments.scene), *_switched(arguments.switched)]
-    }
+    switched = named(arguments.switched, "visibility=folder", taken=["scene"])
+    folders = {"scene": arguments.scene, **switched}
+    shown = {name: costs.show(folder, materials) for name, folder in folders.items()}
     parts = {
         name: np.dstack([scene.measured[-1], scene.matrix.coverage])
         for name, scene in shown.items()
@@ -111,11 +110,3 @@ def _with_bounced(parts: dict[str, NDArray], light: NDArray, bounces: bool) -> d
     if not bounces:
         return parts | {name: parts["scene"] + added}
     return {key: part + added for key, part in parts.items()} | {name: parts["scene"]}
-
-
-def _switched(arguments: list[str]) -> list[tuple[str, str]]:
-    if wrong := [argument for argument in arguments if "=" not in argument]:
-        raise NpfmError(f"'{wrong[0]}' has no '='; name the effect, as in visibility=folder")
-    distinct(["scene", *(argument.partition("=")[0] for argument in arguments)])
-    parts = (argument.partition("=") for argument in arguments)
-    return [(name, folder) for name, _, folder in parts]

@@ -16,7 +16,7 @@ from npfm.fitting import fits
 from npfm.papers import lawrence2004
 from npfm.rendering.lights import environment
 from npfm.storage.bounds import check_size
-from npfm.storage.names import distinct
+from npfm.storage.names import distinct, named
 from npfm.storage.pictures import EXR, write_exr_parts
 
 #: What a digest covers beside this file (`npfm.run.provenance`).
@@ -109,7 +109,10 @@ def _measured(a: argparse.Namespace) -> tuple[pd.DataFrame, dict[str, np.ndarray
     check_size(a.output, a.resolution, a.resolution)
     ways = [study.way(text) for text in distinct(a.ways)]
     effort = study.Effort(a.resolution, a.points, sorted(set(a.samples)), a.repetitions, a.seed)
-    parameters = {name: fits.load(path).parameters for name, path in _pairs(a.parameters)}
+    parameters = {
+        name: fits.load(path).parameters
+        for name, path in named(a.parameters, "quantiles/a=a.npz").items()
+    }
     light = environment.read(a.light)
     try:
         made, images = study.measure(ways, table(a.table), light, parameters, effort)
@@ -117,14 +120,6 @@ def _measured(a: argparse.Namespace) -> tuple[pd.DataFrame, dict[str, np.ndarray
         raise NpfmError(f"{a.table}: {error}") from None
     about = {"light": Path(a.light).stem, "material": Path(a.table).stem}
     return made.assign(**about)[list(study.MEASURED)], images
-
-
-def _pairs(arguments: list[str]) -> list[tuple[str, str]]:
-    if wrong := [argument for argument in arguments if "=" not in argument]:
-        raise NpfmError(f"'{wrong[0]}' has no '='; name the strategy, as in quantiles/a=a.npz")
-    pairs = [argument.partition("=") for argument in arguments]
-    distinct(name for name, _, _ in pairs)
-    return [(name, path) for name, _, path in pairs]
 
 
 def _published(made: pd.DataFrame) -> list[float]:

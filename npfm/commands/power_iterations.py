@@ -14,7 +14,7 @@ from npfm.evaluation import delta_e, tables
 from npfm.evaluation import power_iterations as study
 from npfm.fitting import fits
 from npfm.papers import dupuy2015
-from npfm.storage.names import distinct
+from npfm.storage.names import distinct, named
 from npfm.storage.pictures import EXR, write_exr_parts
 
 #: What a digest covers beside this file (`npfm.run.provenance`).
@@ -113,7 +113,9 @@ def run(arguments: argparse.Namespace) -> None:
             names = distinct(Path(path).stem for path in a.fits)
             table = study.surfaces(dict(zip(names, _fits(a.fits), strict=True)))
         case "delta-e":
-            images, table = delta_e.mean_images(a.measured, _folders(a.fits), a.materials)
+            images, table = delta_e.mean_images(
+                a.measured, named(a.fits, "ggx=renders/A"), a.materials
+            )
     tables.write(a.output, table)
     if a.kind == "delta-e":
         write_exr_parts(a.images, {name: _part(image) for name, image in images.items()})
@@ -129,12 +131,6 @@ def _fits(paths: Sequence[str]) -> list[fits.Fit]:
         if fit.grid.kind != loaded[0].grid.kind:
             raise NpfmError(f"{path}: on another kind of grid than {paths[0]}; give those of one")
     return loaded
-
-
-def _folders(arguments: list[str]) -> dict[str, str]:
-    if wrong := [argument for argument in arguments if "=" not in argument]:
-        raise NpfmError(f"'{wrong[0]}' has no '='; name the variant, as in ggx=renders/A")
-    return dict(argument.split("=", 1) for argument in arguments)
 
 
 def _part(image: np.ndarray) -> np.ndarray:

@@ -1,7 +1,6 @@
 """``npfm psnr-level``."""
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +15,7 @@ from npfm.evaluation import psnr_level as study
 from npfm.evaluation import tables
 from npfm.reflectance.table_files import read_table
 from npfm.storage.bounds import check_size
-from npfm.storage.names import distinct
+from npfm.storage.names import named
 from npfm.storage.pictures import EXR, read_exr, write_exr
 
 #: What a digest covers beside this file (`npfm.run.provenance`).
@@ -106,23 +105,19 @@ def _angles(arguments: argparse.Namespace) -> NDArray[np.float64]:
 
 def _measured(arguments: argparse.Namespace) -> pd.DataFrame:
     material, measured = Path(arguments.table).stem, read_table(arguments.table)
-    fits = {name: table(path) for name, path in _pairs(arguments.fits).items()}
+    fits = {name: table(path) for name, path in named(arguments.fits, "naive=naive.npz").items()}
     return study.measure(material, measured, fits, _builds(arguments))
 
 
 def _builds(arguments: argparse.Namespace) -> list[study.Build]:
-    angles = {scene: read_exr(path)[..., 0] for scene, path in _pairs(arguments.angles).items()}
+    angles = {
+        scene: read_exr(path)[..., 0]
+        for scene, path in named(arguments.angles, "A=angles.exr").items()
+    }
     builds = []
-    for name, folder in _pairs(arguments.scenes).items():
+    for name, folder in named(arguments.scenes, "configured/A=folder").items():
         way, slash, scene = name.partition("/")
         if not slash:
             raise NpfmError(f"'{name}' has no '/'; name way and scene, as in configured/A=folder")
         builds.append(study.Build(scene, way, folder, angles.get(scene)))
     return builds
-
-
-def _pairs(arguments: Sequence[str]) -> dict[str, str]:
-    if wrong := [argument for argument in arguments if "=" not in argument]:
-        raise NpfmError(f"'{wrong[0]}' has no '='; name what it is, as in name=path")
-    distinct(argument.partition("=")[0] for argument in arguments)
-    return dict(argument.split("=", 1) for argument in arguments)

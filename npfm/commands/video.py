@@ -7,7 +7,6 @@ import numpy as np
 
 from npfm.commands.numbers import positive
 from npfm.commands.outputs import output
-from npfm.errors import NpfmError
 from npfm.exports.gallery.kinds import PAGE
 from npfm.figures import own_colors
 from npfm.reflectance.table import CHANNELS
@@ -107,16 +106,12 @@ def _frames(a: argparse.Namespace) -> None:
     from npfm.commands.sources import table
     from npfm.evaluation import turned_light
     from npfm.reflectance.table_files import read_table
-    from npfm.storage.names import distinct
+    from npfm.storage.names import distinct, named
 
     distinct(Path(scene).name for scene in a.scenes)
-    if wrong := [given for given in a.fits if not all(given.partition("="))]:
-        raise NpfmError(f"--fits: '{wrong[0]}' is not written VARIANT=FILE")
-    names = distinct([turned_light.MEASURED, *(given.partition("=")[0] for given in a.fits)])
-    fits = (table(given.partition("=")[2]) for given in a.fits)
-    made = turned_light.render(
-        read_table(a.table), dict(zip(names[1:], fits, strict=True)), a.scenes
-    )
+    paths = named(a.fits, "ggx=ggx.npz", taken=[turned_light.MEASURED])
+    fits = {variant: table(path) for variant, path in paths.items()}
+    made = turned_light.render(read_table(a.table), fits, a.scenes)
     turned_light.write(a.output, made)
 
 

@@ -14,6 +14,7 @@ from npfm.errors import NpfmError
 from npfm.evaluation import tables
 from npfm.figures import style
 from npfm.figures.renderings import HEADING, LINE, MEASURED, corner_label, sheet, show
+from npfm.storage.names import named
 
 #: Of a name over a column, and beside a row.
 LETTERS = 15
@@ -31,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def make(arguments: argparse.Namespace) -> Figure:
     """Draw the figure from the pictures and the table that the arguments name."""
     a = arguments
-    folders = {MEASURED: a.measured} | dict(pair.split("=", 1) for pair in a.fits)
+    folders = {MEASURED: a.measured} | named(a.fits, "ggx=renders/A", taken=[MEASURED])
     table = tables.read(a.table, ["material", "variant"], ["delta_e"])
     return draw(folders, a.materials, table)
 

@@ -21,7 +21,7 @@ TITLES = {
 }
 #: More materials than these do not fit on a page.
 MOST_MATERIALS = 6
-#: Where the axes of objectives begin, in percent: variants lie a factor of a hundred thousand apart.
+#: Where the axes of objectives begin, in percent; variants lie a hundred thousand times apart.
 LEAST_PERCENT = 0.01
 LEGEND_COLUMNS = 4
 LEFT = "what no reciprocal model can remove"
@@ -79,7 +79,9 @@ def draw(table: pd.DataFrame, colors: Mapping[str, str] | None = None) -> Figure
         named = {label: handle for pair in found for handle, label in zip(*pair, strict=True)}
         labels = [label for label in (*looks, LEFT) if label in named]
         handles = [named[label] for label in labels]
-        figure.legend(handles, labels, loc="outside lower center", ncols=LEGEND_COLUMNS, frameon=False)
+        figure.legend(
+            handles, labels, loc="outside lower center", ncols=LEGEND_COLUMNS, frameon=False
+        )
     return figure
 
 

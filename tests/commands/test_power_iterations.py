@@ -65,7 +65,10 @@ def test_anisotropic_surfaces_are_found_again_and_timed(tmp_path):
     ("arguments", "said"),
     [
         ("surfaces {0}/plain.npz", "a fit of 'bivariate'; give fits of power-iteration"),
-        ("delta-e --measured {0} --fits ggx --materials a --images {0}/x.exr", "'ggx' has no '='"),
+        (
+            "delta-e --measured {0} --fits ggx --materials a --images {0}/x.exr",
+            "'ggx' is not written",
+        ),
         ("surfaces {0}/turned.npz", "a fit of 'power-iteration'; give fits of ggx"),
         ("surfaces {0}/ggx.npz {0}/power.npz", "on another kind of grid than"),
         ("timing --repeats 0", "give a whole number of 1 or more"),

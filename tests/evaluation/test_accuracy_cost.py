@@ -306,7 +306,7 @@ def test_mistakes_are_told_in_one_line(tmp_path, capsys):
     assert main([*call, "-o", str(tmp_path / "traces.csv")]) == 1
     error = capsys.readouterr().err
     assert error.count("\n") == 1
-    assert "'fits/naive' has no '='" in error
+    assert "'fits/naive' is not written NAME=PATH" in error
 
 
 def test_the_verb_writes_tables_that_lead_to_the_price(tmp_path, matrix):

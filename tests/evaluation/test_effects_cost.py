@@ -167,4 +167,4 @@ def test_the_verb_writes_table_and_pictures(tmp_path, scenes, monkeypatch, capsy
     rows = out.read_text().splitlines()
     assert table.read_text().splitlines() == [*rows, *rows[1:]]
     assert main([*call.replace("visibility=", "").split(), "2.npz"]) == 1
-    assert "has no '='" in capsys.readouterr().err
+    assert "is not written NAME=PATH" in capsys.readouterr().err

@@ -146,7 +146,7 @@ def test_the_verb_writes_what_was_measured_and_printed(tmp_path, glossy, monkeyp
     expected = [["cosine", 100, 306.17], ["per-view", 100, 1.66]]
     assert printed.to_numpy().tolist() == expected
     assert main(f"{call} --parameters a {outputs}".split()) == 1
-    assert "'a' has no '='" in capsys.readouterr().err
+    assert "'a' is not written NAME=PATH" in capsys.readouterr().err
     black = Table(np.zeros((3, *GRID.shape)), GRID)
     monkeypatch.setattr("npfm.commands.importance.table", lambda path: black)
     assert main(f"{call} {outputs}".split()) == 1
