@@ -6,15 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from npfm.errors import NpfmError
 from npfm.evaluation import tables
 from npfm.evaluation.metrics import mean_db, psnr_or_gap
 from npfm.fitting.fits import load_record
 from npfm.reflectance.table import Table
 from npfm.rendering import transport
-from npfm.rendering.transport import Transport
+from npfm.rendering.transport import Transport, columns, pictures
 
 TRACES = "material", "channel", "solver", "start", "thinned", "status", "seconds", "objective"
 FITS = "material", "stage", "setting", "scene", "seconds", "bytes", "psnr_db"
@@ -126,52 +124,6 @@ def fits(
         cost = sum(channel.seconds for channel in found["channels"]), found["bytes"]
         rows += [(*setting, scene, *cost, quality[path, scene]) for scene in scenes]
     return pd.DataFrame(rows, columns=FITS[1:])
-
-
-def columns(shown: Sequence[Table]) -> NDArray[np.float32]:
-    """What `pictures` renders of many tables, shape (3, columns, tables).
-
-    Raises
-    ------
-    NpfmError
-        If the tables are on different grids.
-    """
-    names = {table.grid.name for table in shown}
-    if len(names) > 1:
-        raise NpfmError(f"tables on the grids {' and '.join(sorted(names))}; give those of one")
-    return np.stack([t.grid.column_values(t.values).astype(np.float32) for t in shown], axis=-1)
-
-
-def pictures(matrix: Transport, values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Render many tables in one pass over the matrix, in a fraction of the time of one by one.
-
-    Parameters
-    ----------
-    matrix : Transport
-    values : ndarray of float32, shape (3, columns, tables)
-        BRDF in 1/sr of the grid's columns; negative values reflect nothing.
-
-    Returns
-    -------
-    ndarray of float32, shape (tables, h, w, 3)
-        Linear radiance, as `npfm.rendering.transport.render` gives it for each table.
-
-    Raises
-    ------
-    NpfmError
-        If the tables are on another grid than the matrix was built for.
-    """
-    if values.shape[1] != matrix.grid.column_count:
-        raise NpfmError(
-            f"the scene was built for {matrix.grid.name}, and the tables are on another grid; "
-            "build it for theirs"
-        )
-    products = [
-        channel @ np.maximum(columns, 0)
-        for channel, columns in zip(matrix.matrices, values, strict=True)
-    ]
-    lit = np.stack(products, axis=-1).reshape(*matrix.coverage.shape, -1, 3)
-    return np.moveaxis(lit, 2, 0) + matrix.backdrop
 
 
 def sampling(

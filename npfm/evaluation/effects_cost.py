@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.evaluation import tables
-from npfm.evaluation.accuracy_cost import columns, pictures
 from npfm.evaluation.metrics import mean_db, psnr_or_gap
 from npfm.reflectance.table import Table
 from npfm.rendering import transport
 from npfm.rendering.effects import EFFECTS
-from npfm.rendering.transport import Transport
+from npfm.rendering.transport import Transport, columns, pictures
 from npfm.storage.pictures import read_exr
 
 COLUMNS = (

@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.evaluation import tables
-from npfm.evaluation.accuracy_cost import columns, pictures
 from npfm.evaluation.metrics import mean_db, psnr_or_gap
 from npfm.reflectance.table import Table
 from npfm.rendering import transport
-from npfm.rendering.transport import Transport
+from npfm.rendering.transport import Transport, columns, pictures
 
 #: Builds of a scene that are read in more ways than one; others have their name for a setting.
 CONFIGURED, ANTIALIASED = "configured", "antialiased"

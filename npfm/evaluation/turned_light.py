@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
-from npfm.evaluation.accuracy_cost import columns, pictures
 from npfm.evaluation.metrics import psnr_or_gap
 from npfm.reflectance.table import Table
 from npfm.rendering import transport
+from npfm.rendering.transport import columns, pictures
 from npfm.storage.pictures import read_exr_parts, write_exr_parts
 
 MEASURED = "measured"

@@ -157,9 +157,9 @@ def a_table(seed):
 
 def test_many_tables_are_rendered_as_one_by_one(matrix):
     several = [a_table(seed) for seed in range(4)]
-    values = np.stack([t.values.reshape(3, -1).astype(np.float32) for t in several], axis=-1)
+    values = transport.columns(several)
     expected = [transport.render(matrix, table)[..., :3] for table in several]
-    np.testing.assert_allclose(costs.pictures(matrix, values), expected, rtol=1e-6)
+    np.testing.assert_allclose(transport.pictures(matrix, values), expected, rtol=1e-6)
 
 
 def test_fits_are_compared_where_there_is_a_measurement(tmp_path, matrix):
