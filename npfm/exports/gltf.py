@@ -45,7 +45,7 @@ Array = NDArray[np.float64]
 def write(path: str, sources: Sequence[Source]) -> str:
     """Write the sphere; say what it is of, and how far that is from the fit."""
     [source] = sources
-    known, grid = lobe(source.fit), source.table.grid
+    known, grid = lobe(source), source.table.grid
     is_metal, said = chosen(metal_table(known, grid), dielectric_table(known, grid), source.table)
     with replacing(path, KIND) as temporary:
         text = json.dumps(document(material(known, is_metal), source.name), indent=1)

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from npfm.datasets.formulas import fresnel
 from npfm.exports.simple_surface import (
     Lobe,
     as_table,
@@ -41,7 +42,7 @@ Inputs = dict[str, float | Array]
 def write(path: str, sources: Sequence[Source]) -> str:
     """Write the material; say what it is, and how far that is from the fit."""
     [source] = sources
-    known, grid = lobe(source.fit), source.table.grid
+    known, grid = lobe(source), source.table.grid
     is_metal, said = chosen(metal_table(known, grid), dielectric_table(known, grid), source.table)
     with replacing(path, KIND) as temporary:
         made = (metal if is_metal else dielectric)(known)
@@ -81,14 +82,6 @@ def dielectric_table(known: Lobe, grid: HalfDifference) -> Table:
     tint, base = (x[:, None, None, None] for x in (_tint(known), _base(known)))
     values = base * (1 - _mean(known)[0]) / np.pi + tint * layer * facets(known.alpha, grid)
     return as_table(values, grid)
-
-
-def fresnel(cosine: Array, ior: float) -> Array:
-    """Share of unpolarised light that a smooth dielectric reflects."""
-    refracted = np.sqrt(np.maximum(1 - (1 - cosine**2) / ior**2, 0))
-    across = (cosine - ior * refracted) / (cosine + ior * refracted)
-    along = (ior * cosine - refracted) / (ior * cosine + refracted)
-    return (across**2 + along**2) / 2
 
 
 def document(inputs: Inputs, name: str) -> str:

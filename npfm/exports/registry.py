@@ -129,7 +129,7 @@ def check(name: str, sources: Sequence[Source]) -> None:
                 f"{source.path}: a fit of {source.fit.model}, and '{name}' is made from fits of "
                 f"{' or '.join(known.models)}; give one of these"
             )
-        if (grid := source.table.grid).kind not in known.grids:
+        if (grid := source.grid).kind not in known.grids:
             raise NpfmError(
                 f"{source.path}: '{name}' cannot hold a material on a {grid.kind} grid; "
                 f"it is for {' or '.join(known.grids)} grids"

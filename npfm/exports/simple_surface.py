@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.evaluation.table_distances import distances
-from npfm.fitting.fits import Fit
+from npfm.exports.sources import Source
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.microsurfaces import ggx, ggx_area
 from npfm.reflectance.table import INVALID, Table
@@ -63,7 +63,7 @@ class Lobe:
         return np.clip(np.pi * self.rho_d / np.maximum(1 - layer, 1e-3), 0, 1)
 
 
-def lobe(fit: Fit) -> Lobe:
+def lobe(source: Source) -> Lobe:
     """Return the parameters of a fit.
 
     Raises
@@ -71,9 +71,9 @@ def lobe(fit: Fit) -> Lobe:
     NpfmError
         If they are negative.
     """
-    p = {name: array.astype(float) for name, array in fit.parameters.items()}
+    p = {name: array.astype(float) for name, array in source.fit.parameters.items()}
     if any((array < 0).any() for array in p.values()):
-        raise NpfmError("negative parameters; fit the material again")
+        raise NpfmError(f"{source.path}: negative parameters; fit the material again")
     return Lobe(p["rho_d"], p["rho_s"], float(p["alpha"][0]), float(p["f0"][0]))
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from npfm.fitting import fits, registry
 from npfm.fitting.fits import FIT, Fit
+from npfm.reflectance.grids import Grid
 from npfm.reflectance.table import Table
 from npfm.reflectance.table_files import read_table
 
@@ -42,6 +43,11 @@ class Source:
             If the file is absent or no fit.
         """
         return fits.load(self.path)
+
+    @property
+    def grid(self) -> Grid:
+        """Where it has values; no fit is tabulated for it."""
+        return self.fit.grid if self.is_fit else self.table.grid
 
     @cached_property
     def table(self) -> Table:

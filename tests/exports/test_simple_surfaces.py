@@ -13,6 +13,7 @@ import pytest
 
 from npfm.__main__ import main
 from npfm.exports import gltf
+from npfm.exports.sources import Source
 from npfm.fitting import fits
 from npfm.fitting.fits import Fit
 from npfm.fitting.registry import tabulated
@@ -95,7 +96,7 @@ def test_gltf_is_the_fit_by_the_formulas_of_its_specification(surface, capsys):
         np.testing.assert_allclose(found, expected, rtol=0.05, atol=1e-4)
         assert distance < 3
     # What it says of itself is that of the formulas.
-    known = gltf.lobe(fits.load(path))
+    known = gltf.lobe(Source(path))
     table = (gltf.metal_table if metal else gltf.dielectric_table)(known, MERL)
     np.testing.assert_allclose(found, table.values[:, *cells].T, rtol=1e-4, atol=1e-9)
 

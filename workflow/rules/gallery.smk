@@ -1,5 +1,5 @@
 from npfm.exports.gallery.page import templates
-from npfm.exports.shaders.shader import files as shader_files
+from npfm.exports.registry import declared as declared_format
 from npfm.run.video import video_options
 
 
@@ -69,7 +69,7 @@ use rule npfm as gallery_overview with:
 use rule npfm as gallery_demo with:
     input:
         templates=[
-            as_input(str(path)) for path in [*templates("demo"), *shader_files()]
+            as_input(str(path)) for path in [*templates("demo"), *declared_format("glsl").files]
         ],
         fits=rules.fits_table.output,
         stored=[

@@ -55,11 +55,6 @@ class Shader:
         return "\n".join(["vec3 npfm_row(int k);", *said, "", "\n".join(texts)])
 
 
-def files() -> list[Path]:
-    """Files that functions are made of."""
-    return sorted(FOLDER.glob("*.glsl"))
-
-
 def shader(fit: Fit) -> Shader:
     """Return a fit as a function of GLSL.
 
