@@ -7,10 +7,10 @@ from typing import Any
 import pandas as pd
 
 from npfm.commands.outputs import output
-from npfm.commands.sources import table
 from npfm.errors import NpfmError
 from npfm.evaluation import accuracy_cost as costs
 from npfm.evaluation import tables
+from npfm.fitting.sources import table
 from npfm.reflectance.table import Table
 from npfm.reflectance.table_files import read_table
 from npfm.rendering import transport
@@ -19,7 +19,7 @@ from npfm.storage.names import distinct, named
 #: What a digest covers beside this file (`npfm.run.provenance`).
 CODE = (
     "npfm.commands.outputs",
-    "npfm.commands.sources",
+    "npfm.fitting.sources",
     "npfm.evaluation.accuracy_cost",
     "npfm.evaluation.tables",
     "npfm.storage.names",

@@ -6,10 +6,10 @@ import sys
 
 from npfm.commands.numbers import positive, whole
 from npfm.commands.outputs import output
-from npfm.commands.sources import table
 from npfm.errors import NpfmError
 from npfm.evaluation import bounces, tables
 from npfm.exports.mitsuba import engine
+from npfm.fitting.sources import table
 from npfm.storage.bounds import check_size
 from npfm.storage.files import replacing
 from npfm.storage.pictures import EXR, write_exr_parts
@@ -23,7 +23,7 @@ CODE = (
 )
 CODE_OF_KIND = {
     "render": (
-        "npfm.commands.sources",
+        "npfm.fitting.sources",
         "npfm.exports.mitsuba.engine",
         "npfm.exports.mitsuba.study",
     ),

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.commands.outputs import output
-from npfm.commands.sources import table
 from npfm.errors import NpfmError
 from npfm.evaluation import effects_cost as costs
 from npfm.evaluation import tables
+from npfm.fitting.sources import table
 from npfm.rendering.effects import EFFECTS
 from npfm.storage.names import named
 from npfm.storage.pictures import EXR, write_exr_parts
@@ -18,7 +18,7 @@ from npfm.storage.pictures import EXR, write_exr_parts
 #: What a digest covers beside this file (`npfm.run.provenance`).
 CODE = (
     "npfm.commands.outputs",
-    "npfm.commands.sources",
+    "npfm.fitting.sources",
     "npfm.evaluation.effects_cost",
     "npfm.evaluation.tables",
     "npfm.storage.names",

@@ -6,13 +6,13 @@ from pathlib import Path
 
 from npfm.commands.numbers import shape, whole
 from npfm.commands.outputs import output
-from npfm.commands.sources import table
 from npfm.datasets.analytic import FORMULAS
 from npfm.errors import NpfmError, suggest
 from npfm.fitting import fits
 from npfm.fitting.factorisation.matrix import Brdf
 from npfm.fitting.factorisation.recipes import Recipe, factor
 from npfm.fitting.fits import FIT, RECORD, Fit
+from npfm.fitting.sources import table
 from npfm.reflectance.factored import Angles
 from npfm.reflectance.grids import Grid
 from npfm.reflectance.half_difference import MERL
@@ -20,7 +20,7 @@ from npfm.reflectance.half_difference import MERL
 CODE = (
     "npfm.commands.numbers",
     "npfm.commands.outputs",
-    "npfm.commands.sources",
+    "npfm.fitting.sources",
     "npfm.datasets.analytic",
     "npfm.fitting.factorisation.recipes",
     "npfm.fitting.fits",

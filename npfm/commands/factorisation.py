@@ -26,7 +26,7 @@ CODE = (
     "npfm.commands.factor",
     "npfm.commands.numbers",
     "npfm.commands.outputs",
-    "npfm.commands.sources",
+    "npfm.fitting.sources",
     "npfm.datasets.analytic",
     "npfm.evaluation.factorisation",
     "npfm.evaluation.tables",

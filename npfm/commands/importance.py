@@ -8,11 +8,11 @@ import pandas as pd
 
 from npfm.commands.numbers import whole
 from npfm.commands.outputs import output
-from npfm.commands.sources import table
 from npfm.errors import NpfmError
 from npfm.evaluation import importance as study
 from npfm.evaluation import tables
 from npfm.fitting import fits
+from npfm.fitting.sources import table
 from npfm.papers import lawrence2004
 from npfm.rendering.lights import environment
 from npfm.storage.bounds import check_size
@@ -23,7 +23,7 @@ from npfm.storage.pictures import EXR, write_exr_parts
 CODE = (
     "npfm.commands.numbers",
     "npfm.commands.outputs",
-    "npfm.commands.sources",
+    "npfm.fitting.sources",
     "npfm.evaluation.importance",
     "npfm.evaluation.tables",
     "npfm.fitting.fits",

@@ -10,8 +10,8 @@ import numpy as np
 
 from npfm.commands.numbers import whole
 from npfm.commands.outputs import output
-from npfm.commands.sources import table
 from npfm.exports.mitsuba import engine
+from npfm.fitting.sources import table
 from npfm.reflectance.table_files import read_table
 from npfm.rendering import scenes
 from npfm.rendering.lights import environment
@@ -23,7 +23,7 @@ from npfm.storage.files import Kind, marked, replacing
 CODE = (
     "npfm.commands.numbers",
     "npfm.commands.outputs",
-    "npfm.commands.sources",
+    "npfm.fitting.sources",
     "npfm.exports.mitsuba.engine",
     "npfm.exports.mitsuba.interreflection",
     "npfm.rendering.lights.environment",

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from npfm.commands.numbers import whole
 from npfm.commands.outputs import output
-from npfm.commands.sources import table
 from npfm.errors import NpfmError
 from npfm.evaluation import psnr_level as study
 from npfm.evaluation import tables
+from npfm.fitting.sources import table
 from npfm.reflectance.table_files import read_table
 from npfm.storage.bounds import check_size
 from npfm.storage.names import named
@@ -22,7 +22,7 @@ from npfm.storage.pictures import EXR, read_exr, write_exr
 CODE = (
     "npfm.commands.numbers",
     "npfm.commands.outputs",
-    "npfm.commands.sources",
+    "npfm.fitting.sources",
     "npfm.evaluation.psnr_level",
     "npfm.evaluation.tables",
     "npfm.storage.bounds",

@@ -12,7 +12,7 @@ CODE = (
     "npfm.evaluation.tables",
 )
 #: And what it covers for some of the kinds.
-CODE_OF_KIND = {"material": ("npfm.commands.sources", "npfm.evaluation.quality_of_fits")}
+CODE_OF_KIND = {"material": ("npfm.fitting.sources", "npfm.evaluation.quality_of_fits")}
 EXAMPLE = """\
 examples:
   python -m npfm quality material chrome.binary --run results/smoke --scenes A D \\
@@ -48,8 +48,8 @@ def run(arguments: argparse.Namespace) -> None:
     a = arguments
     match a.kind:
         case "material":
-            from npfm.commands.sources import table
             from npfm.evaluation import quality_of_fits
+            from npfm.fitting.sources import table
 
             made = quality_of_fits.material(a.run, a.scenes, a.table, a.variants, table)
         case "gather":

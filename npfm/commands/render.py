@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from npfm.commands.numbers import positive
 from npfm.commands.outputs import output
-from npfm.commands.sources import table
 from npfm.errors import NpfmError
+from npfm.fitting.sources import table
 from npfm.reflectance.table_files import read_table
 from npfm.rendering import transport
 from npfm.storage import pictures
@@ -21,7 +21,7 @@ T = TypeVar("T")
 CODE = (
     "npfm.commands.numbers",
     "npfm.commands.outputs",
-    "npfm.commands.sources",
+    "npfm.fitting.sources",
     "npfm.rendering.transport",
     "npfm.storage.pictures",
 )

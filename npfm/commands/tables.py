@@ -21,12 +21,12 @@ CODE = (
 #: And what it covers for some of the kinds.
 CODE_OF_KIND = {
     "published": (
-        "npfm.commands.sources",
+        "npfm.fitting.sources",
         "npfm.papers.authors_distance",
         "npfm.datasets.published_factors",
     ),
-    "fidelity": ("npfm.commands.sources", "npfm.evaluation.fidelity"),
-    "where": ("npfm.commands.sources", "npfm.evaluation.where"),
+    "fidelity": ("npfm.fitting.sources", "npfm.evaluation.fidelity"),
+    "where": ("npfm.fitting.sources", "npfm.evaluation.where"),
 }
 #: What each table holds, and what it is made from.
 KINDS = {
@@ -146,8 +146,8 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _published(a: argparse.Namespace) -> pd.DataFrame:
     """Compare the published factors of the materials that have some."""
-    from npfm.commands.sources import table
     from npfm.datasets import published_factors
+    from npfm.fitting.sources import table
     from npfm.papers import authors_distance
 
     published = published_factors.read(a.factors)
@@ -166,8 +166,8 @@ def _published(a: argparse.Namespace) -> pd.DataFrame:
 
 def _fidelity(a: argparse.Namespace) -> pd.DataFrame:
     """Compare the tables and the pictures of the materials that the table of PSNR lists."""
-    from npfm.commands.sources import table
     from npfm.evaluation.fidelity import fidelity
+    from npfm.fitting.sources import table
 
     psnr = tables.read_psnr(a.psnr)
     measured = {Path(path).stem: path for path in a.measured}
@@ -178,9 +178,9 @@ def _fidelity(a: argparse.Namespace) -> pd.DataFrame:
 
 def _where(a: argparse.Namespace) -> pd.DataFrame:
     """Find where the error of all fits that there are sits."""
-    from npfm.commands.sources import table
     from npfm.evaluation.where import where
     from npfm.fitting.objective import Objective
+    from npfm.fitting.sources import table
 
     left_out = set(a.missing)
     fits = {

@@ -7,8 +7,8 @@ import numpy as np
 
 from npfm.commands.numbers import positive
 from npfm.commands.outputs import output
-from npfm.commands.sources import table
 from npfm.errors import NpfmError
+from npfm.fitting.sources import table
 from npfm.rendering import scenes, textures, transport
 from npfm.storage import pictures
 
@@ -16,7 +16,7 @@ from npfm.storage import pictures
 CODE = (
     "npfm.commands.numbers",
     "npfm.commands.outputs",
-    "npfm.commands.sources",
+    "npfm.fitting.sources",
     "npfm.rendering.textures",
     "npfm.storage.pictures",
 )

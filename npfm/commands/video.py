@@ -27,7 +27,7 @@ CODE = (
 #: rendered in scenes that are built for them alone.
 CODE_OF_KIND = {
     "frames": (
-        "npfm.commands.sources",
+        "npfm.fitting.sources",
         "npfm.evaluation.turned_light",
         "npfm.reflectance.table_files",
         "npfm.storage.names",
@@ -103,8 +103,8 @@ def run(arguments: argparse.Namespace) -> str:
 
 
 def _frames(a: argparse.Namespace) -> None:
-    from npfm.commands.sources import table
     from npfm.evaluation import turned_light
+    from npfm.fitting.sources import table
     from npfm.reflectance.table_files import read_table
     from npfm.storage.names import distinct, named
 

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from npfm.fitting import fits, registry
+from npfm.fitting import fits
 from npfm.fitting.fits import FIT, Fit
+from npfm.fitting.sources import table
 from npfm.reflectance.grids import Grid
 from npfm.reflectance.table import Table
-from npfm.reflectance.table_files import read_table
 
 
 @dataclass(frozen=True)
@@ -58,4 +58,4 @@ class Source:
         NpfmError
             If the file is absent or damaged, or the arrays of a fit are not those of its model.
         """
-        return registry.tabulated(self.path) if self.is_fit else read_table(self.path)
+        return table(self.path)

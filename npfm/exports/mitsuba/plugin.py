@@ -1,7 +1,6 @@
 """A BSDF of Mitsuba 3 over a table, sampled by one of our strategies."""
 
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import drjit as dr
@@ -12,9 +11,8 @@ from npfm.errors import NpfmError
 from npfm.exports.mitsuba.reflectance import Reflectance
 from npfm.exports.mitsuba.samplers import Sampler, check, twin
 from npfm.fitting import fits
-from npfm.fitting.registry import tabulated
+from npfm.fitting.sources import table as table_of
 from npfm.reflectance.table import Table
-from npfm.reflectance.table_files import read_table
 from npfm.rendering.lights.environment import Environment
 from npfm.rendering.sampling import per_view, registry
 from npfm.rendering.sampling.strategy import Given
@@ -109,7 +107,7 @@ def bsdf_type(variant: str) -> type:
 def _read(properties: Any) -> tuple[Reflectance, Sampler]:
     """Table and sampler that the properties of a scene name."""
     path = _found(properties["filename"])
-    table = tabulated(path) if Path(path).suffix == ".npz" else read_table(path)
+    table = table_of(path)
     chosen = str(properties.get("sampling", per_view.NAME))
     fit = _found(properties["fit"]) if "fit" in properties else None
     share = float(properties.get("cosine", COSINE_SHARE))
