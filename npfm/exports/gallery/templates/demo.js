@@ -249,11 +249,11 @@ function begin() {
   const first = DATA.materials.includes(asked.get("material")) ? asked.get("material") : DATA.materials[0];
   const scene = Math.max(0, DATA.scenes.findIndex((each) => each.name === asked.get("scene")));
   const roughness = Math.max(-2, Math.min(2, Number(asked.get("roughness")) || 0));
-  listen();
   if (!able) {
     trouble("This browser has no WebGL 2 with pictures of floating-point numbers, which the demo draws with.");
     return Promise.resolve();
   }
+  listen();
   requestAnimationFrame(frame);
   return choose({ material: first, left: asked.get("left"), right: asked.get("right") || NONE, scene, roughness });
 }

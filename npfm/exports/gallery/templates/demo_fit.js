@@ -99,9 +99,12 @@ function facetsOf(D, even) {
 
 const tables = new Map();
 
-// A measured table, from a script beside the page that calls npfmTable.
+// A measured table, from a script beside the page that calls npfmTable. Only the last is kept: each has 9 MB.
 function measuredTable(material) {
-  if (!tables.has(material)) tables.set(material, asked(`tables/${encodeURIComponent(material)}.js`).then(unpackedTable));
+  if (!tables.has(material)) {
+    tables.clear();
+    tables.set(material, asked(`tables/${encodeURIComponent(material)}.js`).then(unpackedTable));
+  }
   return tables.get(material);
 }
 
