@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
-from npfm.evaluation.accuracy_cost import columns, pictures
 from npfm.evaluation.metrics import mean_db, psnr_or_gap
 from npfm.fitting import registry
 from npfm.fitting.channels import as_table
@@ -28,7 +27,7 @@ from npfm.models import tucker
 from npfm.reflectance.merl import read_binary
 from npfm.reflectance.table import Table
 from npfm.rendering import transport
-from npfm.rendering.transport import Transport
+from npfm.rendering.transport import Transport, columns, pictures
 
 PRODUCTS = (5, 10, 20, 40)
 #: In units of the weighted median; of the last, the logarithm is a straight line.
