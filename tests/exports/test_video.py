@@ -240,7 +240,7 @@ def test_a_picture_of_an_animation_has_the_colours_of_the_rendering(made):
     ("call", "message"),
     [
         ("frames x.binary --scenes a/0 b/0 --fits a=b -o {out}.exr", "two inputs have the name"),
-        ("frames x.binary --scenes a/0 --fits naive.npz -o {out}.exr", "not written VARIANT=FILE"),
+        ("frames x.binary --scenes a/0 --fits naive.npz -o {out}.exr", "not written NAME=PATH"),
         ("frames x.binary --scenes a/0 --fits measured=x.npz -o {out}.exr", "the name 'measured'"),
         ("page x --frames {made}/one.exr --iterations x.npz -o {out}.html", "x.npz"),
         ("light x --frames {made}/one.exr -o {out}.gif", "in degrees"),
