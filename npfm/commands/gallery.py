@@ -63,6 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     one.add_argument("material", help="the material")
     one.add_argument("--variants", nargs="+", required=True, help="the fits that are shown")
     one.add_argument("--published", help="published factors (.npz), to be drawn dashed")
+    one.add_argument("--video", action="store_true", help="link to its page of npfm video")
     for kind in (all_, demo_):
         kind.add_argument("name", help="what the run is called")
         kind.add_argument("--fits", required=True, help="CSV made by npfm tables fits")
@@ -135,6 +136,7 @@ def _material(a: argparse.Namespace) -> None:
         published,
         own_colors.colors(a),
         demo=a.demo,
+        video=a.video,
     )
 
 

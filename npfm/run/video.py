@@ -12,7 +12,6 @@ from npfm.run.config import Run
 from npfm.run.entries import Variant
 from npfm.run.provenance import command_code
 from npfm.run.study import Study
-from npfm.run.words import option
 
 #: An edge of few pixels crawls when what is behind it moves.
 SMOOTH = "antialiasing"
@@ -97,10 +96,10 @@ class Plan(Study):
         return replace(self.run, config={**config, **changes})
 
 
-def video_options(run: Run) -> list[str]:
-    """Arguments of ``npfm gallery overview``: pages of the target that are there; it makes none."""
+def shown_in_motion(run: Run) -> list[str]:
+    """Materials whose pages of the target are there; the gallery makes none, and links to these."""
     pages = {name: Path(f"{run.folder}/gallery/video/{name}.html") for name in materials(run)}
-    return option("--videos", (name for name, page in pages.items() if page.exists()))
+    return [name for name, page in pages.items() if page.exists()]
 
 
 def plan(run: Run) -> Plan:

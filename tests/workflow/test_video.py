@@ -27,10 +27,11 @@ def test_the_target_follows_a_fit_and_turns_the_light(project):
     script = project.folder / "npfm/exports/gallery/templates/video.js"
     script.write_text(script.read_text() + "// Changed.\n")
     assert project.planned("video") == {PAGE}
-    run = project.snakemake("results/tiny/gallery/index.html")
+    pages = results / "gallery/index.html", results / "gallery/materials/chalk.html"
+    run = project.snakemake(*(f"results/tiny/{page.relative_to(results)}" for page in pages))
     assert run.returncode == 0, run.stdout + run.stderr
-    text = (results / "gallery/index.html").read_text()
-    assert '"videos":["chalk"]' in text
+    assert '"videos":["chalk"]' in pages[0].read_text()
+    assert '"video":true' in pages[1].read_text()
 
 
 def test_a_variant_that_is_none_is_refused(fresh):

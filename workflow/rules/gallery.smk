@@ -1,6 +1,6 @@
 from npfm.exports.gallery.page import templates
 from npfm.exports.registry import declared as declared_format
-from npfm.run.video import video_options
+from npfm.run.video import shown_in_motion
 
 
 localrules:
@@ -36,6 +36,7 @@ use rule npfm as gallery_material with:
             *option("--variants", RUN.variants_of(wildcards.material)),
             *RUN.colors_option,
             *RUN.demo_option,
+            *(["--video"] if wildcards.material in shown_in_motion(RUN) else []),
         ],
 
 
@@ -61,7 +62,7 @@ use rule npfm as gallery_overview with:
             *("-o", *output),
         ],
         options=[
-            *(RUN.config["name"], *video_options(RUN)),
+            *(RUN.config["name"], *option("--videos", shown_in_motion(RUN))),
             *(*RUN.colors_option, *RUN.demo_option),
         ],
 

@@ -44,6 +44,7 @@ def write(
     colors: Mapping[str, str],
     *,
     demo: bool = False,
+    video: bool = False,
 ) -> None:
     """Write the page of a material, and beside it the small pictures of the overview.
 
@@ -63,8 +64,8 @@ def write(
         Published factors of the material, if there are any.
     colors : mapping of str to str
         Of some variants, in place of the project's.
-    demo : bool
-        Whether the gallery has one, to link to.
+    demo, video : bool
+        Whether the gallery has a demo and the material a page in ``video/``, to link to.
 
     Raises
     ------
@@ -86,6 +87,7 @@ def write(
         "metrics": metrics(values[values.material == material]),
         "errors": {"largest": LARGEST_ERROR, "colors": color_map()},
         "demo": demo,
+        "video": video,
     }
     pixels.write_thumbnails(Path(path).with_suffix(THUMBNAILS.suffix), small)
     page.write(path, "material", material, data, [p.content for p in packed])

@@ -301,6 +301,8 @@ function begin() {
   byId("title").textContent = DATA.material;
   byId("demo").hidden = !DATA.demo;
   byId("demo").href = `../demo.html#${new URLSearchParams({ material: DATA.material })}`;
+  byId("video").hidden = !DATA.video;
+  byId("video").href = `../video/${encodeURIComponent(DATA.material)}.html`;
   byId("run").textContent = `in the run ${DATA.run}`;
   byId("flip").max = NAMES.length - 1;
   byId("scenes").append(...DATA.scenes.map((scene, k) => element("button", { onclick: () => changeScene(k) }, `scene ${scene.name}`)));
