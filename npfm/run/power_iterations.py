@@ -60,8 +60,7 @@ class Plan(Study):
     def objects_options(self) -> list[str]:
         """Arguments of ``npfm vary`` that name the objects of the scene."""
         objects = self.run.config["scenes"][self.scene]["objects"]
-        meshes = [word for mesh in self.run.mesh(self.scene) for word in ("--mesh", mesh)]
-        return ["--objects", *objects, *meshes]
+        return ["--objects", *objects, *self.run.mesh_option(self.scene)]
 
     @property
     def known_options(self) -> list[str]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from npfm.run import effects_cost
 from npfm.run.config import Run
-from npfm.run.words import option, path_word
+from npfm.run.words import option
 
 #: Ways of building a scene that `npfm.evaluation.psnr_level` knows; it is not imported, so that a
 #: dry run is quick. Others are named after their pixels or their turn.
@@ -85,11 +85,10 @@ class Plan:
     def angles_options(self, scene: str) -> list[str]:
         """Arguments of ``npfm psnr-level angles`` for a scene."""
         described = self.run.config["scenes"][scene]
-        mesh = described.get("mesh")
         return [
             *("--objects", *described["objects"]),
             *(["--effects", EFFECT] if EFFECT in described["effects"] else []),
-            *(["--mesh", path_word(self.run.user_file(mesh))] if mesh else []),
+            *self.run.mesh_option(scene),
             *("--resolution", f"{self.run.config['resolution']}"),
         ]
 
