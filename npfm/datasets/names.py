@@ -110,15 +110,31 @@ MERL_NAMES = (
 )
 
 
-def select(patterns: Sequence[str], available: Sequence[str]) -> list[str]:
-    """Names that match at least one of some names or globs.
+def matching(patterns: Sequence[str], available: Sequence[str]) -> list[str]:
+    """Names that match at least one of some names or globs, in their own order.
 
     Parameters
     ----------
     patterns : sequence of str
-        Exact names, or globs with ``*``, ``?`` and ``[...]``; upper and lower case differ.
+        Exact names, or globs with ``*``, ``?`` and ``[...]``; upper and lower case differ. One
+        that matches nothing is none.
     available : sequence of str
         The names to choose from.
+    """
+    return [
+        name
+        for name in available
+        if any(name == pattern or fnmatchcase(name, pattern) for pattern in patterns)
+    ]
+
+
+def select(patterns: Sequence[str], available: Sequence[str]) -> list[str]:
+    """Names that match at least one of some names or globs, each of which has to match.
+
+    Parameters
+    ----------
+    patterns, available : sequence of str
+        As in `matching`.
 
     Returns
     -------
@@ -132,8 +148,8 @@ def select(patterns: Sequence[str], available: Sequence[str]) -> list[str]:
     """
     chosen: set[str] = set()
     for pattern in patterns:
-        matches = {name for name in available if name == pattern or fnmatchcase(name, pattern)}
+        matches = matching([pattern], available)
         if not matches:
             raise NpfmError(f"no material matches '{pattern}'; {suggest(pattern, available)}")
-        chosen |= matches
+        chosen |= set(matches)
     return sorted(chosen)

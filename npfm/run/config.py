@@ -4,10 +4,10 @@ import os
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
+from npfm.datasets.names import matching
 from npfm.errors import NpfmError, suggest
 from npfm.exports import registry as exports
 from npfm.fitting import registry
@@ -133,8 +133,7 @@ class Run:
     @property
     def demo_tables(self) -> list[str]:
         """Materials whose measured tables the demo has."""
-        wanted = self.config["gallery"]["measured"] if self.has_demo else []
-        return [name for name in self.materials if any(fnmatchcase(name, w) for w in wanted)]
+        return matching(self.config["gallery"]["measured"] if self.has_demo else [], self.materials)
 
     @property
     def demo_figure(self) -> list[str]:

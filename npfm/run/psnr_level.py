@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
+from npfm.datasets.names import matching
 from npfm.run import effects_cost
 from npfm.run.config import Run
 from npfm.run.words import option
@@ -121,15 +121,10 @@ def plan(run: Run) -> Plan:
     are named, its first six materials count, and all of its variants.
     """
     asked = run.config["psnr_level"]
-    named = [
-        name
-        for name in run.materials
-        if any(fnmatchcase(name, pattern) for pattern in asked["materials"])
-    ]
     variants = [name for name in asked["variants"] if name in run.variants] or list(run.variants)
     materials = [
         name
-        for name in named or run.materials[:MOST_MATERIALS]
+        for name in matching(asked["materials"], run.materials) or run.materials[:MOST_MATERIALS]
         if not set(variants).isdisjoint(run.variants_of(name))
     ]
     return Plan(run, tuple(materials), tuple(variants))
