@@ -7,6 +7,7 @@ from typing import Any
 from npfm.fitting import registry
 from npfm.fitting.solvers.choice import SOLVERS
 from npfm.run.config import Run
+from npfm.run.entries import listed
 from npfm.run.study import Study
 
 #: Whose starts, tolerance and traces are examined.
@@ -149,13 +150,9 @@ def _variant(stage: str, setting: str) -> str:
 
 def _stages(config: Mapping[str, Any]) -> dict[str, dict[str, dict]]:
     """For each stage and setting, an entry of the key `variants`."""
-    own = [
-        {"name": entry, "model": entry} if isinstance(entry, str) else dict(entry)
-        for entry in config["variants"]
-    ]
     models: dict[str, dict] = {}
     # What is published took no time here.
-    fitted = [entry for entry in own if not registry.declared(entry["model"]).published]
+    fitted = [entry for entry in listed(config) if not registry.declared(entry["model"]).published]
     for entry in [{"name": MODEL, "model": MODEL}, *fitted]:
         models |= _by_solver(entry, config["accuracy_cost"]["awls_iterations"])
     return {

@@ -31,6 +31,14 @@ class Variant:
     published: str | None = None
 
 
+def listed(config: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the entries of the key `variants` as mappings: one that is a name is of that model."""
+    return [
+        {"name": entry, "model": entry} if isinstance(entry, str) else dict(entry)
+        for entry in config["variants"]
+    ]
+
+
 def read_variants(config: Mapping[str, Any]) -> dict[str, Variant]:
     """Return the variants of a configuration by name, in order.
 
@@ -41,8 +49,7 @@ def read_variants(config: Mapping[str, Any]) -> dict[str, Variant]:
     """
     _check_models(config["models"])
     named: dict[str, Variant] = {}
-    for entry in config["variants"]:
-        entry = {"name": entry, "model": entry} if isinstance(entry, str) else entry
+    for entry in listed(config):
         try:
             model = registry.declared(entry["model"])
         except NpfmError as error:

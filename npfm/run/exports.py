@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from npfm.exports import registry
 from npfm.run.config import Run
+from npfm.run.entries import listed
 from npfm.run.formats import MEASURED, Wanted, wanted
 from npfm.run.provenance import command_code
 from npfm.run.study import Study
@@ -70,6 +71,5 @@ def plan(run: Run) -> Plan:
     """Work out what to write; models that the run has no variant of are fitted for it."""
     asked = wanted(run.config, run.variants)
     names = {v for one in asked.values() for v in one.variants if v != MEASURED}
-    listed = [e if isinstance(e, dict) else {"name": e, "model": e} for e in run.config["variants"]]
     own = [{"name": name, "model": name} for name in sorted(names - set(run.variants))]
-    return Plan(run, run.with_variants([*listed, *own]), asked)
+    return Plan(run, run.with_variants([*listed(run.config), *own]), asked)

@@ -1,10 +1,13 @@
 """What the target `power_iterations` makes beside a run: fits, edits and pictures, and where."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from npfm.papers import dupuy2015
 from npfm.papers.captions import chosen
 from npfm.run.config import Run
+from npfm.run.entries import listed
 from npfm.run.study import Study
 
 #: The model whose microfacets are edited and told, and its conversions.
@@ -107,10 +110,8 @@ class Plan(Study):
 
 def plan(run: Run) -> Plan:
     """Work out what to make."""
-    entries = {entry: entry for entry in (MODEL, *CONVERSIONS)}
-    for entry in run.config["variants"]:
-        name = entry if isinstance(entry, str) else entry["name"]
-        entries[name] = entry
+    entries: dict[str, str | Mapping[str, Any]] = {name: name for name in (MODEL, *CONVERSIONS)}
+    entries |= {entry["name"]: entry for entry in listed(run.config)}
     opponents = [next((n for n in names if n in run.variants), None) for names in OPPONENTS]
     others = run.variants if run.grid.anisotropic else filter(None, opponents)
     names = list(dict.fromkeys([MODEL, *others, *CONVERSIONS]))

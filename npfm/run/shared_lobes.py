@@ -8,6 +8,7 @@ from npfm.papers import peng2017
 from npfm.papers.captions import chosen
 from npfm.rendering.sampling import registry
 from npfm.run.config import Run
+from npfm.run.entries import listed
 from npfm.run.provenance import command_code
 from npfm.run.study import Study
 
@@ -105,16 +106,13 @@ BY_NUMBER: Mapping[str, Mapping[str, int]] = {
 
 def plan(run: Run) -> Plan:
     """Work out what to make."""
-    entries: dict[str, str | Mapping[str, Any]] = {name: name for name in (MODEL, *OPPONENTS)}
-    for entry in run.config["variants"]:
-        name = entry if isinstance(entry, str) else entry["name"]
-        if name in entries:
-            entries[name] = entry
-    own = entries[MODEL]
-    base = {"model": MODEL} if isinstance(own, str) else dict(own)
+    entries: dict[str, Mapping[str, Any]] = {
+        name: {"name": name, "model": name} for name in (MODEL, *OPPONENTS)
+    }
+    entries |= {entry["name"]: entry for entry in listed(run.config) if entry["name"] in entries}
     defaults = {"lobes": 3, "shared": 1}
     for name, settings in BY_NUMBER.items():
         # What is the default goes unsaid, so that the same fit is made once.
         said = {key: value for key, value in settings.items() if value != defaults[key]}
-        entries[f"lobes-{name}"] = base | {"name": f"lobes-{name}"} | said
+        entries[f"lobes-{name}"] = {**entries[MODEL], "name": f"lobes-{name}", **said}
     return Plan(run, run.with_variants(entries.values()))

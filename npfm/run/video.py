@@ -9,7 +9,7 @@ from npfm.fitting import registry
 from npfm.fitting.solvers.choice import module_of as solver_module
 from npfm.run.accuracy_cost import MODEL, materials
 from npfm.run.config import Run
-from npfm.run.entries import Variant
+from npfm.run.entries import Variant, listed
 from npfm.run.provenance import command_code
 from npfm.run.study import Study
 
@@ -104,13 +104,9 @@ def shown_in_motion(run: Run) -> list[str]:
 
 def plan(run: Run) -> Plan:
     """Work out what to make."""
-    own = {
-        entry if isinstance(entry, str) else entry["name"]: entry
-        for entry in run.config["variants"]
-    }
+    own = {entry["name"]: entry for entry in listed(run.config)}
     shown = tuple(run.config["video"]["variants"])
     study = run.with_variants(own.get(name, name) for name in shown)
-    theirs = own.get(MODEL)
-    is_named = isinstance(theirs, Mapping) and theirs["model"] == MODEL
-    alone = run.with_variants([theirs] if theirs and is_named else [MODEL])
+    theirs = own.get(MODEL, {})
+    alone = run.with_variants([theirs if theirs.get("model") == MODEL else MODEL])
     return Plan(run, study, materials(run), shown, alone.variants[MODEL])
