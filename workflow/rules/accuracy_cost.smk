@@ -1,6 +1,6 @@
-from npfm.run.accuracy_cost import plan
+from npfm.run.accuracy_cost import plan as plan_accuracy_cost
 
-COST = plan(RUN)
+COST = plan_accuracy_cost(RUN)
 COST_CODE = command_code("accuracy-cost")
 
 

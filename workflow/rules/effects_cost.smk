@@ -1,6 +1,6 @@
-from npfm.run.effects_cost import Plan
+from npfm.run.effects_cost import Plan as EffectsPlan
 
-EFFECTS = Plan(RUN)
+EFFECTS = EffectsPlan(RUN)
 EFFECTS_CODE = command_code("effects-cost", *COST.standard_modules)
 
 

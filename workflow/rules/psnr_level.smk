@@ -1,6 +1,6 @@
-from npfm.run.psnr_level import plan
+from npfm.run.psnr_level import plan as plan_psnr_level
 
-LEVEL = plan(RUN)
+LEVEL = plan_psnr_level(RUN)
 
 
 localrules:
