@@ -53,8 +53,7 @@ class Plan(Study):
         """Fits that a sampler follows, of the parts: none for one that follows tables."""
         if sampler == REFERENCE or SAMPLERS[sampler][1] is None:
             return []
-        folder = self.folders[sampler]
-        return [f"{folder}/{name}.npz" for name in self.materials]
+        return [self.fit(sampler, name) for name in self.materials]
 
     def options(self, sampler: str) -> list[str]:
         """Arguments of ``npfm bounces render`` for a sampler."""

@@ -50,7 +50,7 @@ class Plan(Study):
         """What it is made from."""
         if variant == MEASURED:
             return self.run.table(material)
-        return f"{self.folders[variant]}/{material}.npz"
+        return self.fit(variant, material)
 
     def parts(self, name: str) -> list[str]:
         """Files beside the code that it is written from."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 from npfm.papers import lawrence2004
@@ -106,9 +105,9 @@ class Plan(Study):
 
     def fit(self, variant: str, material: str) -> str:
         """A fit of the study: the run's, if that has it."""
-        theirs = self.folders[variant]
-        own = f"{self.folder}/fits/{variant}"
-        return f"{theirs if material in self.run.materials else own}/{material}.npz"
+        if material in self.run.materials:
+            return super().fit(variant, material)
+        return f"{self.folder}/fits/{variant}/{material}.npz"
 
     def fits(self, material: str) -> list[str]:
         """Fits that strategies follow."""
@@ -166,9 +165,3 @@ def plan(run: Run) -> Plan:
     measured = replace(run, config=config, materials=materials, grid=grid)
     entries = {entry["name"]: entry for entry in FOLLOWED.values()}
     return Plan(run, measured.with_variants(entries.values()))
-
-
-def variance_inputs(run: Run) -> list[str]:
-    """The table of the study, if it is there: the page of claims has it made for no other."""
-    table = f"{run.folder}/tables/variance.csv"
-    return [table] if Path(table).exists() else []

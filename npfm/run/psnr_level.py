@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from npfm.datasets.names import matching
@@ -106,12 +105,6 @@ class Plan:
             *option("--scenes", map("=".join, self._named.items())),
             *option("--angles", map("=".join, angles.items())),
         ]
-
-
-def level_inputs(run: Run) -> list[str]:
-    """The table of the target, if it is there: the page of claims has it made for no other."""
-    table = f"{run.folder}/tables/psnr_level.csv"
-    return [table] if Path(table).exists() else []
 
 
 def plan(run: Run) -> Plan:

@@ -57,10 +57,6 @@ class Plan(Study):
         """Materials whose factors are shown."""
         return chosen(peng2017.FACTORS, self.run.materials)
 
-    def fit(self, variant: str, material: str) -> str:
-        """A fit of the study: the run's, if that has it."""
-        return f"{self.folders[variant]}/{material}.npz"
-
     def settings(self, material: str) -> dict[str, str]:
         """Folder of each stage and setting of ``npfm accuracy-cost fits`` for a material."""
         folders = self.folders

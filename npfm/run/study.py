@@ -1,6 +1,7 @@
 """Fits beyond the variants of a run, for a question of their own."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar
 
 from npfm.run.config import Run
@@ -32,6 +33,16 @@ class Study:
     def folders(self) -> dict[str, str]:
         """Folder of the fits of each variant of the study: the run's, where it has them."""
         return fit_folders(self.run, self.study, self.folder)
+
+    def fit(self, variant: str, material: str) -> str:
+        """A fit of the study: the run's, if that has it."""
+        return f"{self.folders[variant]}/{material}.npz"
+
+
+def table_inputs(run: Run, name: str) -> list[str]:
+    """The table of a study, if it is there: the page of claims has it made for no other."""
+    table = f"{run.folder}/tables/{name}.csv"
+    return [table] if Path(table).exists() else []
 
 
 def fit_folders(run: Run, study: Run, folder: str) -> dict[str, str]:

@@ -56,9 +56,9 @@ class Plan(Study):
 
     def fit(self, variant: str, material: str) -> str:
         """A fit of the study: the one that is followed, or the run's, if that has it."""
-        followed = self.study.variants[variant].options == self.followed.options
-        folder = f"{self.folder}/starts" if followed else self.folders[variant]
-        return f"{folder}/{material}.npz"
+        if self.study.variants[variant].options == self.followed.options:
+            return f"{self.folder}/starts/{material}.npz"
+        return super().fit(variant, material)
 
     def fits(self, material: str) -> dict[str, str]:
         """Fits that are shown of a material, by variant: not those that nobody published."""

@@ -1,5 +1,4 @@
-from npfm.run.importance import variance_inputs
-from npfm.run.psnr_level import level_inputs
+from npfm.run.study import table_inputs
 
 # What the page is made from, as far as the run has it: the option of each, and the file.
 CLAIMED = {
@@ -12,10 +11,11 @@ if RUN.grid.anisotropic:
 if "naive" in RUN.variants:
     CLAIMED["materials"] = rules.materials_table.output
 # Not made for the page alone: it takes longer than the page.
-if variance_inputs(RUN):
-    [CLAIMED["variance"]] = variance_inputs(RUN)
-if level_inputs(RUN):
-    [CLAIMED["levels"]] = level_inputs(RUN)
+CLAIMED |= {
+    key: table
+    for key, name in [("variance", "variance"), ("levels", "psnr_level")]
+    for table in table_inputs(RUN, name)
+}
 if WEIGHTING.columns:
     CLAIMED["weighting"] = rules.weighting_table.output
 if RUN.published_factors and "independent-g" in RUN.variants:
@@ -68,9 +68,9 @@ use rule npfm as reproduction with:
             *(
                 f"{OUT}/figures/importance_{figure}.png"
                 for figure in ["improvement", "samples"]
-                if variance_inputs(RUN)
+                if "variance" in CLAIMED
             ),
-            *([f"{OUT}/figures/psnr_level.png"] if level_inputs(RUN) else []),
+            *([f"{OUT}/figures/psnr_level.png"] if "levels" in CLAIMED else []),
         ],
     output:
         f"{OUT}/reproduction.md",
