@@ -47,7 +47,8 @@ class Plan:
 
         Of an argument that is given twice, the last counts.
         """
-        finer = {f"pixels-{n}": ["--resolution", f"{n}"] for n in self._asked["resolutions"]}
+        others = [n for n in self._asked["resolutions"] if n != self.run.config["resolution"]]
+        finer = {f"pixels-{n}": ["--resolution", f"{n}"] for n in others}
         turned = {f"turned-{angle}": ["--turn", f"{angle}"] for angle in self._asked["turns"]}
         return finer | turned
 

@@ -42,6 +42,10 @@ def test_a_scene_is_built_as_the_runs_own_but_for_its_way():
     )
 
 
+def test_the_runs_own_pixels_are_not_built_twice():
+    assert list(planned(resolutions=[64, 128], turns=[]).built) == ["pixels-64"]
+
+
 @pytest.mark.parametrize(
     ("materials", "variants", "expected"),
     [
