@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError, suggest
+from npfm.rendering.camera import lattice
 from npfm.rendering.geometry import OFFSET, Shape
 
 #: Camera rays along either side of a pixel: 16 in all, as in Bagher et al. 2016, section 6.
@@ -32,9 +33,7 @@ def subdivide(offsets: NDArray) -> NDArray:
     ndarray, shape (SUBPIXELS^2 k, 2)
         For the centre of the pixel, the centres of `SUBPIXELS`^2 equal squares.
     """
-    steps = (np.arange(SUBPIXELS) - (SUBPIXELS - 1) / 2) / SUBPIXELS
-    lattice = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 1, 2)
-    return (lattice + offsets).reshape(-1, 2)
+    return (lattice(SUBPIXELS)[:, None] + offsets).reshape(-1, 2)
 
 
 def unshadowed(

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from npfm.rendering.backdrop import seen
 from npfm.rendering.camera import Camera
 from npfm.rendering.geometry import Shape, nearest
 from npfm.rendering.lights.environment import Environment
@@ -64,7 +65,7 @@ def look(
     coverage : ndarray of float32, shape (resolution, resolution)
         Share of the camera rays of a pixel that meet an object.
     backdrop : ndarray of float32, shape (resolution, resolution, 3)
-        Radiance that the other rays meet, times their share.
+        Mean radiance where the other rays pass, times their share.
     """
     rays = len(offsets)
     direction = camera.directions(np.arange(resolution**2), offsets, resolution).reshape(-1, 3)
@@ -72,7 +73,7 @@ def look(
     hits = nearest(objects, origins, direction, along=tangents)
     hit = np.isfinite(hits.distance)
     light = np.zeros(direction.shape)
-    light[~hit] = environment.lookup(direction[~hit])
+    light[~hit] = seen(camera, environment, offsets, resolution, np.flatnonzero(~hit))
     pixel, ray = np.divmod(np.flatnonzero(hit), rays)
     view = -direction[hit]
     position = camera.position - hits.distance[hit, None] * view

@@ -118,6 +118,34 @@ class Environment:
         """
         return self.texels[self.texel(direction)]
 
+    def interpolated(self, direction: NDArray) -> NDArray[np.float64]:
+        """Radiance from the given directions, bilinear between the centres of texels.
+
+        For light that is seen, whose texels are larger than pixels; objects are lit by `lookup`.
+        Azimuth goes round; beyond the centres of the first and the last row their values stay.
+
+        Parameters
+        ----------
+        direction : ndarray, shape (..., 3)
+            Unit vectors pointing towards the light.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Linear RGB radiance.
+        """
+        rows, columns, _ = self.radiance.shape
+        x, y, z = np.moveaxis(np.asarray(direction, dtype=float), -1, 0)
+        down = np.arccos(np.clip(y, -1.0, 1.0)) * (rows / np.pi) - 0.5
+        right = (np.arctan2(x, -z) + np.pi) * (columns / (2 * np.pi)) - 0.5
+        row, column = np.floor(down).astype(np.intp), np.floor(right).astype(np.intp)
+        result = np.zeros(np.shape(direction))
+        for k, below in enumerate((1 - (down - row), down - row)):
+            first = np.clip(row + k, 0, rows - 1) * columns
+            for j, share in enumerate((1 - (right - column), right - column)):
+                result += (below * share)[..., None] * self.texels[first + (column + j) % columns]
+        return result
+
     def pdf(self, direction: NDArray) -> NDArray[np.float64]:
         """Probability density with which `sample` draws the given directions.
 

@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.ndimage import map_coordinates
 
 from npfm.errors import NpfmError
 from npfm.rendering.lights import environment
@@ -59,6 +60,32 @@ def test_lookup_agrees_with_a_search_through_all_texels():
         edges = [2 * math.pi * (k + 1) / columns - math.pi for k in range(columns)]
         column = next(k for k, edge in enumerate(edges) if azimuth < edge)
         assert (light.lookup(np.array([x, y, z])) == light.radiance[row, column]).all()
+
+
+def test_between_the_centres_of_texels_light_is_interpolated_around_the_seam():
+    light = spiky()
+    rows, columns, _ = light.radiance.shape
+    direction = random_directions(500)
+    theta, azimuth = np.arccos(direction[:, 1]), np.arctan2(direction[:, 0], -direction[:, 2])
+    places = theta / np.pi * rows - 0.5, (azimuth / np.pi + 1) / 2 * columns - 0.5
+    # Two columns more on either side, and the first and the last row once more.
+    padded = np.pad(light.radiance, ((0, 0), (2, 2), (0, 0)), mode="wrap")
+    padded = np.pad(padded, ((1, 1), (0, 0), (0, 0)), mode="edge")
+    for channel, plane in enumerate(np.moveaxis(padded, -1, 0)):
+        expected = map_coordinates(plane, np.add(places, [[1], [2]]), order=1)
+        np.testing.assert_allclose(light.interpolated(direction)[:, channel], expected, atol=1e-8)
+
+
+def test_at_the_centres_of_texels_light_is_theirs():
+    light = spiky()
+    theta, azimuth = np.meshgrid(
+        (np.arange(12) + 0.5) / 12 * np.pi,
+        (np.arange(24) + 0.5) / 12 * np.pi - np.pi,
+        indexing="ij",
+    )
+    x, z = np.sin(theta) * np.sin(azimuth), -np.sin(theta) * np.cos(azimuth)
+    found = light.interpolated(np.stack([x, np.cos(theta), z], axis=-1))
+    np.testing.assert_allclose(found, light.radiance, atol=1e-8)
 
 
 def test_solid_angles_add_up_to_the_sphere():
