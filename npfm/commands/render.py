@@ -85,11 +85,13 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.measured:
         material = material.where_measured(read_table(arguments.measured))
     for scene, out, exposure, gamma in zip(scenes, outputs, exposures, gammas, strict=True):
-        picture = transport.render(transport.load(scene), material)
+        matrix = transport.load(scene)
+        light = transport.reflected(matrix, material)
         if scene in added:
-            picture[..., :3] += _bounced(added[scene], picture.shape[:2])
-        pictures.write_exr(out, picture)
-        png = pictures.tone_map(picture[..., :3], exposure, gamma)
+            light += _bounced(added[scene], light.shape[:2])
+        pictures.write_exr(out, transport.over_backdrop(matrix, light))
+        layers = [(light, matrix.coverage), (matrix.backdrop, 1 - matrix.coverage)]
+        png = pictures.tone_map_layers(layers, exposure, gamma)
         pictures.write_png(Path(out).with_suffix(".png"), png)
 
 

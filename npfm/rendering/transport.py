@@ -73,6 +73,24 @@ class Transport:
 def render(transport: Transport, table: Table) -> NDArray[np.float32]:
     """Render a material: T @ table, over the light seen past the objects.
 
+    Parameters and errors are those of `reflected`.
+
+    Returns
+    -------
+    ndarray of float32, shape (h, w, 4)
+        Linear radiance in red, green and blue, and the coverage by objects.
+    """
+    return over_backdrop(transport, reflected(transport, table))
+
+
+def over_backdrop(transport: Transport, light: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Put light that objects reflect, (h, w, 3), over the light seen past them: (h, w, 4)."""
+    return np.dstack([light + transport.backdrop, transport.coverage])
+
+
+def reflected(transport: Transport, table: Table) -> NDArray[np.float32]:
+    """Light that objects of a material reflect: T @ table.
+
     Parameters
     ----------
     transport : Transport
@@ -81,8 +99,8 @@ def render(transport: Transport, table: Table) -> NDArray[np.float32]:
 
     Returns
     -------
-    ndarray of float32, shape (h, w, 4)
-        Linear radiance in red, green and blue, and the coverage by objects.
+    ndarray of float32, shape (h, w, 3)
+        Linear RGB radiance, times the share of the pixel that objects cover.
 
     Raises
     ------
@@ -95,12 +113,10 @@ def render(transport: Transport, table: Table) -> NDArray[np.float32]:
             f"{transport.grid.name}; build the scene for the grid of the table"
         )
     values = table.grid.column_values(table.values).astype(np.float32)
-    picture = np.empty((*transport.coverage.shape, 4), dtype=np.float32)
+    light = np.empty((*transport.coverage.shape, 3), dtype=np.float32)
     for channel, (matrix, column) in enumerate(zip(transport.matrices, values, strict=True)):
-        picture[..., channel] = (matrix @ column).reshape(transport.coverage.shape)
-    picture[..., :3] += transport.backdrop
-    picture[..., 3] = transport.coverage
-    return picture
+        light[..., channel] = (matrix @ column).reshape(transport.coverage.shape)
+    return light
 
 
 def columns(shown: Sequence[Table]) -> NDArray[np.float32]:

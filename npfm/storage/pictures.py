@@ -1,6 +1,6 @@
 """Pictures on disk: linear radiance as OpenEXR, tone-mapped for the eye as PNG."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -149,7 +149,43 @@ def tone_map(radiance: ArrayLike, exposure: float, gamma: float) -> NDArray[np.u
     ndarray of uint8
         Display values of the same shape, 0 to 255.
     """
-    visible = -np.expm1(-np.log(2) * exposure * np.maximum(radiance, 0.0))
+    return _display(_exposed(radiance, exposure), gamma)
+
+
+def tone_map_layers(
+    layers: Sequence[tuple[NDArray, NDArray]], exposure: float, gamma: float
+) -> NDArray[np.uint8]:
+    """Tone-map what shares pixels each by itself, as a film would that is finer than the pixels.
+
+    Averaged before it is exposed, a window that fills a sixteenth of a pixel would be all that is
+    seen of it, and silhouettes before windows would have steps.
+
+    Parameters
+    ----------
+    layers : sequence of (radiance, share)
+        Linear RGB radiance (h, w, 3), times the share (h, w) of the pixel that it comes from. The
+        shares add up to 1.
+    exposure, gamma : float
+        As in `tone_map`, which gives the same where one of the shares is 1.
+
+    Returns
+    -------
+    ndarray of uint8, shape (h, w, 3)
+        Display values, 0 to 255.
+    """
+    visible = []
+    for radiance, share in layers:
+        part = share[..., None]
+        visible.append(part * _exposed(radiance / np.where(part > 0, part, 1), exposure))
+    return _display(np.sum(visible, axis=0), gamma)
+
+
+def _exposed(radiance: ArrayLike, exposure: float) -> NDArray:
+    """Share of the light of a display, 0 to 1."""
+    return -np.expm1(-np.log(2) * exposure * np.maximum(radiance, 0.0))
+
+
+def _display(visible: NDArray, gamma: float) -> NDArray[np.uint8]:
     return np.rint(255 * visible ** (1 / gamma)).astype(np.uint8)
 
 

@@ -13,7 +13,7 @@ from npfm.rendering.geometry import nearest
 from npfm.rendering.lights.environment import Environment
 from npfm.rendering.scenes import CAMERA, Scene, place
 from npfm.rendering.surfaces import look
-from npfm.rendering.transport import load, render, save
+from npfm.rendering.transport import load, over_backdrop, reflected, render, save
 
 SPHERE = Scene(("sphere",))
 BOTH = Scene(("figure", "sphere"))
@@ -186,6 +186,17 @@ def test_the_light_is_seen_past_the_objects():
     expected = np.column_stack([light.lookup(direction), np.zeros(3)])
     np.testing.assert_allclose(picture[[0, 0, 15], [0, 15, 15]], expected, rtol=1e-6)
     assert picture[8, 8, 3] == 1
+
+
+def test_a_picture_is_what_objects_reflect_over_the_light_behind():
+    transport = build(Scene(("sphere",), ("antialiasing",)), noise_light(), SMALL, 16, 64, 0)
+    alone = reflected(transport, uniform(SMALL))
+    assert not alone[transport.coverage == 0].any()
+    picture = render(transport, uniform(SMALL))
+    np.testing.assert_array_equal(picture, over_backdrop(transport, alone))
+    covered = transport.foreground
+    np.testing.assert_array_equal(picture[covered], np.insert(alone[covered], 3, 1, axis=1))
+    np.testing.assert_array_equal(picture[..., 3], transport.coverage)
 
 
 def test_rows_are_sorted_without_duplicates_and_reproducible():

@@ -9,6 +9,7 @@ from npfm.storage.pictures import (
     read_exr_parts,
     read_radiance,
     tone_map,
+    tone_map_layers,
     write_exr,
     write_exr_parts,
     write_png,
@@ -111,6 +112,29 @@ def test_tone_mapping_never_falls_with_radiance():
     assert values.dtype == np.uint8
     assert (np.diff(values.astype(int)) >= 0).all()
     assert set(range(20, 250)) <= set(values.tolist())
+
+
+def test_layers_are_mixed_as_they_are_shown():
+    """An edge across pixels, against its picture of 16 times the resolution."""
+    fine, pixels = 128, 8
+    rng = np.random.default_rng(0)
+    row, column = np.mgrid[:fine, :fine]
+    inside = 3 * row + 2 * column < 2.6 * fine
+    bright, dark = rng.random((2, pixels, pixels, 3)).astype(np.float32) * [[[[500]]], [[[20]]]]
+    colour = np.where(
+        inside[..., None], *(np.kron(c, np.ones((16, 16, 1))) for c in (dark, bright))
+    )
+    shown = 1 - 2 ** (-0.02 * colour)
+    shown = shown.reshape(pixels, 16, pixels, 16, 3).mean(axis=(1, 3))
+    share = inside.reshape(pixels, 16, pixels, 16).mean(axis=(1, 3)).astype(np.float32)
+    layers = [(dark * share[..., None], share), (bright * (1 - share[..., None]), 1 - share)]
+    found = tone_map_layers(layers, 0.02, 2.2)
+    np.testing.assert_allclose(found, 255 * shown ** (1 / 2.2), atol=0.51)
+    for k, whole in enumerate((dark, bright)):
+        alone = share == 1 - k
+        assert alone.any()
+        np.testing.assert_array_equal(found[alone], tone_map(whole, 0.02, 2.2)[alone])
+    assert np.abs(found - tone_map(sum(c for c, _ in layers), 0.02, 2.2).astype(float)).max() > 20
 
 
 def test_png_holds_the_display_values(tmp_path):
