@@ -271,8 +271,12 @@ def foreground(run: str | Path, row: Row) -> NDArray[np.bool_]:
 
 
 def show(ax: Axes, pixels: NDArray, **settings: Any) -> None:
-    """Show a picture with nothing but a thin line around it."""
-    ax.imshow(pixels, interpolation="nearest", **settings)
+    """Show a picture with nothing but a thin line around it.
+
+    Colours are smoothed where they are enlarged a little or made smaller, which would double some
+    pixels or drop some; pixels of a map of numbers are shown as they are.
+    """
+    ax.imshow(pixels, interpolation="auto" if pixels.ndim == 3 else "nearest", **settings)
     ax.set(xticks=[], yticks=[])
     ax.spines[:].set(color="0.7", linewidth=0.3)  # some lights are as white as the paper
 
