@@ -1,4 +1,4 @@
-"""Run the smoke preset on a real Slurm of one node, and compare with a run without it.
+"""Run the smoke preset on a real Slurm of one node, and compare with runs without it or its groups.
 
     python -m tests.slurm.run [cpus]
 
@@ -33,21 +33,30 @@ def main(cpus: int) -> None:
     """Run everything, and tell of it."""
     folder = Path(tempfile.mkdtemp(prefix="npfm-slurm-"))
     folder.chmod(0o755)
-    alone, clustered = (_copied(folder / name) for name in ("alone", "clustered"))
+    alone, clustered, apart = (_copied(folder / name) for name in ("alone", "clustered", "apart"))
+    _ungroup(apart)
+    slurm = [*SLURM, "--cores", str(cpus)]
     with started(folder / "slurm", cpus) as environment:
         version = subprocess.check_output(["sinfo", "--version"], env=environment, text=True)
         tell(f"{version.strip()}, one node, {cpus} cpus, files in {folder}")
-        _snakemake(alone, environment, "--cores", str(cpus))
-        tell("the same run without Slurm is done")
-        run = _snakemake(clustered, environment, *SLURM)
-        tell(f"Slurm ran {_submitted(run)} jobs")
+        _, least = _timed(alone, environment, "--cores", str(cpus))
+        tell(f"the same run without Slurm is done, in {least:.0f} s")
+        grouped, seconds = _timed(clustered, environment, *slurm)
         _same(alone, clustered)
-        for profile in (["--cores", "1"], SLURM):
+        single, longer = _timed(apart, environment, *slurm)
+        _same(alone, apart)
+        jobs = _submitted(single)
+        for output, taken in ((grouped, seconds), (single, longer)):
+            tell(
+                f"{jobs} jobs in {_submitted(output)} submissions: {taken:.0f} s, "
+                f"{(taken - least) / jobs:.2f} s a job more than without Slurm"
+            )
+        for profile in (["--cores", "1"], slurm):
             assert "Nothing to be done" in _snakemake(clustered, environment, "-n", *profile)
         tell("nothing is left to do, with the profile or without")
-        _lose_and_resubmit(clustered, environment)
+        _lose_and_resubmit(clustered, environment, slurm)
         _same(alone, clustered)
-        _lose_and_call_again(clustered, environment)
+        _lose_and_call_again(clustered, environment, slurm)
         _same(alone, clustered)
     shutil.rmtree(folder)
 
@@ -64,6 +73,12 @@ def _copied(folder: Path) -> Path:
     for name in ("Snakefile", "config.yaml"):
         shutil.copy(ROOT / name, folder)
     return folder
+
+
+def _ungroup(folder: Path) -> None:
+    """Have every job submitted by itself."""
+    for rules in (folder / "workflow" / "rules").glob("*.smk"):
+        rules.write_text(re.sub(r"\n    group:\n {8}.*", "", rules.read_text()))
 
 
 def _start(folder: Path, environment: dict[str, str], *arguments: str) -> subprocess.Popen:
@@ -83,6 +98,12 @@ def _snakemake(folder: Path, environment: dict[str, str], *arguments: str) -> st
     output, _ = process.communicate()
     assert process.returncode == 0, output
     return output
+
+
+def _timed(folder: Path, environment: dict[str, str], *arguments: str) -> tuple[str, float]:
+    """Run Snakemake to a good end; return what it wrote, and its seconds."""
+    began = time.monotonic()
+    return _snakemake(folder, environment, *arguments), time.monotonic() - began
 
 
 def _submitted(output: str) -> int:
@@ -105,44 +126,45 @@ def _lose(folder: Path, variant: str) -> None:
         picture.unlink()
 
 
-def _lose_and_resubmit(folder: Path, environment: dict[str, str]) -> None:
-    """Kill the process of one job and cancel another; the profile submits both again."""
+def _lose_and_resubmit(folder: Path, environment: dict[str, str], slurm: list[str]) -> None:
+    """Kill a process of one group and cancel another group; the profile submits both again."""
     _lose(folder, "independent-g")
-    process = _start(folder, environment, *SLURM)
-    _while_it_runs("fit", environment, lambda job: _kill(job, environment))
-    _while_it_runs("render_fit", environment, lambda job: _cancel(job, environment))
+    process = _start(folder, environment, *slurm)
+    killed = _while_one_runs(environment, lambda job: _kill(job, environment))
+    _while_one_runs(environment, lambda job: job != killed and _cancel(job, environment))
     output, _ = process.communicate()
     assert process.returncode == 0, output
     assert output.count("Trying to restart job") == 2, output
-    tell(f"killed one job and cancelled another; both submitted again, {_submitted(output)} in all")
+    tell(f"killed one group, cancelled another; both submitted again, {_submitted(output)} in all")
 
 
-def _lose_and_call_again(folder: Path, environment: dict[str, str]) -> None:
-    """Cancel a job that is not submitted again; the run fails, and the next one completes it."""
+def _lose_and_call_again(folder: Path, environment: dict[str, str], slurm: list[str]) -> None:
+    """Cancel a group that is not submitted again; the run fails, and the next one completes it."""
     _lose(folder, "naive")
-    process = _start(folder, environment, *SLURM, "--retries", "0")
-    _while_it_runs("fit", environment, lambda job: _cancel(job, environment))
+    process = _start(folder, environment, *slurm, "--retries", "0")
+    _while_one_runs(environment, lambda job: _cancel(job, environment))
     output, _ = process.communicate()
     assert process.returncode == 1, output
     assert len(list((folder / "results/smoke/fits/naive").glob("*.npz"))) == 1
     before = _submitted(output)
-    output = _snakemake(folder, environment, *SLURM)
-    tell(f"cancelled a job without retries: exit code 1, {before} jobs in the first call,")
+    output = _snakemake(folder, environment, *slurm)
+    tell(f"cancelled a group without retries: exit code 1, {before} submissions in the first call,")
     tell(f"{_submitted(output)} in the second")
 
 
-def _while_it_runs(rule: str, environment: dict[str, str], act: Callable[[str], bool]) -> None:
-    """Act on a job of a rule while its process of npfm runs."""
+def _while_one_runs(environment: dict[str, str], act: Callable[[str], bool]) -> str:
+    """Act on the group of a material while a process of npfm runs in it; return its number."""
+    acted: list[str] = []
 
     def done() -> bool:
-        listed = _client(["squeue", "--noheader", "--states=running", "--format=%i %k"])
+        command = ["squeue", "--noheader", "--states=running", "--format=%i %k"]
+        listed = subprocess.check_output(command, env=environment, text=True)
         jobs = [line.split(maxsplit=1) for line in listed.splitlines()]
-        return any(act(job) for job, comment in jobs if f"rule_{rule}" in comment)
+        acted.extend(job for job, comment in jobs if "rule_material" in comment and act(job))
+        return bool(acted)
 
-    def _client(command: list[str]) -> str:
-        return subprocess.check_output(command, env=environment, text=True)
-
-    wait_for(done, f"a job of {rule}", seconds=600)
+    wait_for(done, "the group of a material", seconds=600)
+    return acted[0]
 
 
 def _processes(job: str, environment: dict[str, str]) -> list[int]:

@@ -8,9 +8,12 @@ use rule npfm as fit with:
     log:
         f"{OUT}/logs/fit/{{variant}}/{{material}}.log",
     priority: 1
+    group:
+        "material"
     resources:
         mem_mb=1000,
-        runtime=60,
+        # Nearly all need seconds, and a group adds them up; one that did need more gets it.
+        runtime=lambda wildcards, attempt: 15 * 4 ** (attempt - 1),
     params:
         verb="fit",
         code=lambda wildcards: RUN.fit_code(wildcards.variant),

@@ -1,5 +1,6 @@
 # Links and downloads: the nodes of a cluster seldom reach the web.
-if RUN.config["dataset"]["kind"] in ("merl", "utia"):
+LINKED = RUN.config["dataset"]["kind"] in ("merl", "utia")
+if LINKED:
 
     localrules:
         material,
@@ -12,6 +13,9 @@ use rule npfm as material with:
         RUN.table("{material}"),
     log:
         f"{OUT}/logs/material/{{material}}.log",
+    # What is in a group runs on nodes.
+    group:
+        None if LINKED else "material"
     resources:
         mem_mb=800,
         runtime=10,

@@ -97,11 +97,11 @@ for FIGURE, HOW in DRAWN.items():
             ),
         log:
             f"{OUT}/logs/figures/{FIGURE}.log",
+        localrule: True
         conda:
             lambda wildcards: ENVIRONMENT
         resources:
             mem_mb=1000,
-            runtime=5,
         params:
             figure=FIGURE,
             code=command_code("figure", f"npfm.figures.{FIGURE}", *HOW.models),

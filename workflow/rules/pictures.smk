@@ -14,6 +14,8 @@ use rule npfm as bounced_measured with:
     log:
         f"{OUT}/logs/bounced/{{scene}}/{{material}}/measured.log",
     priority: 2
+    group:
+        "material"
     threads: 2
     resources:
         mem_mb=2500,
@@ -68,6 +70,8 @@ use rule npfm as render_measured with:
     log:
         f"{OUT}/logs/render/{{material}}/measured.log",
     priority: 3
+    group:
+        "material"
     resources:
         mem_mb=2000,
         runtime=10,

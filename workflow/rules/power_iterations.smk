@@ -7,7 +7,6 @@ POWER_CODE = command_code("power-iterations")
 localrules:
     power_iterations_known,
     power_iterations_surfaces,
-    power_iterations_edit,
     power_iterations_figure,
 
 
@@ -70,6 +69,12 @@ use rule npfm as power_iterations_edit with:
         f"{OUT}/logs/power_iterations/edited/{{material}}/{{factor}}.log",
     wildcard_constraints:
         factor=any_of(FACTORS),
+    # Between the fit and its pictures, which are in this group.
+    group:
+        "material"
+    resources:
+        mem_mb=500,
+        runtime=5,
     params:
         verb="edit",
         code=command_code("edit", *POWER.study.model_modules(MODEL)),

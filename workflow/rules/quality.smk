@@ -21,6 +21,8 @@ use rule npfm as quality with:
     log:
         f"{OUT}/logs/quality/{{material}}.log",
     priority: 3
+    group:
+        "material"
     resources:
         mem_mb=1000,
         runtime=15,

@@ -6,6 +6,8 @@ use rule npfm as light with:
     log:
         f"{OUT}/logs/light/{{light}}.log",
     priority: 4
+    group:
+        "scene"
     resources:
         mem_mb=1000,
         runtime=10,
@@ -28,6 +30,8 @@ use rule npfm as scene with:
     wildcard_constraints:
         scene=any_of(RUN.scenes),
     priority: 4
+    group:
+        "scene"
     resources:
         mem_mb=3000,
         runtime=20,
