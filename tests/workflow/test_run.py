@@ -1,4 +1,5 @@
 import csv
+import re
 import shutil
 
 import numpy as np
@@ -50,6 +51,21 @@ def test_a_run_makes_tables_with_the_promised_columns(finished):
     )
     sizes = {row["variant"]: int(row["bytes"]) for row in summary}
     assert sizes == {"bivariate": 97200, "naive": 4344, "old": 4344}
+
+
+def test_scenes_come_first_and_then_all_that_the_first_material_needs(fresh):
+    fresh.configure(dataset={"kind": "synthetic", "materials": ["chalk", "car-paint"]})
+    run = fresh.snakemake("--dry-run", "results/tiny/tables/quality.csv")
+    assert run.returncode == 0, run.stdout + run.stderr
+    ranks: dict[str, list[int]] = {}
+    for job in re.split(r"\n *(?:local)?rule ", run.stdout + run.stderr)[1:]:
+        material = re.search(r"material=([\w-]+)", job)
+        rank = re.search(r"priority: (\d+)", job)
+        who = material[1] if material else job.partition(":")[0]
+        ranks.setdefault(who, []).append(int(rank[1]) if rank else 0)
+    scenes, first, second = ranks["light"] + ranks["scene"], ranks["car-paint"], ranks["chalk"]
+    assert [*map(len, (scenes, first, second))] == [3, 9, 9]
+    assert min(scenes) > max(first) and min(first) > max(second)
 
 
 def test_a_run_compares_by_every_metric(finished):

@@ -7,7 +7,7 @@ use rule npfm as fit with:
         record=f"{OUT}/fits/{{variant}}/{{material}}.json",
     log:
         f"{OUT}/logs/fit/{{variant}}/{{material}}.log",
-    priority: 1
+    priority: lambda wildcards: RUN.priority(wildcards, 1)
     group:
         "material"
     resources:

@@ -13,6 +13,7 @@ use rule npfm as material with:
         RUN.table("{material}"),
     log:
         f"{OUT}/logs/material/{{material}}.log",
+    priority: lambda wildcards: RUN.priority(wildcards, 0)
     # What is in a group runs on nodes.
     group:
         None if LINKED else "material"

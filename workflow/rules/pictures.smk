@@ -13,7 +13,7 @@ use rule npfm as bounced_measured with:
         record=f"{OUT}/bounced/{{scene}}/{{material}}/measured.json",
     log:
         f"{OUT}/logs/bounced/{{scene}}/{{material}}/measured.log",
-    priority: 2
+    priority: lambda wildcards: RUN.priority(wildcards, 2)
     group:
         "material"
     threads: 2
@@ -69,7 +69,7 @@ use rule npfm as render_measured with:
         ),
     log:
         f"{OUT}/logs/render/{{material}}/measured.log",
-    priority: 3
+    priority: lambda wildcards: RUN.priority(wildcards, 3)
     group:
         "material"
     resources:

@@ -20,7 +20,7 @@ use rule npfm as quality with:
         f"{OUT}/quality/{{material}}.csv",
     log:
         f"{OUT}/logs/quality/{{material}}.log",
-    priority: 3
+    priority: lambda wildcards: RUN.priority(wildcards, 3)
     group:
         "material"
     resources:

@@ -5,7 +5,7 @@ use rule npfm as light with:
         f"{OUT}/lights/{{light}}.exr",
     log:
         f"{OUT}/logs/light/{{light}}.log",
-    priority: 4
+    priority: 8
     group:
         "scene"
     resources:
@@ -29,7 +29,7 @@ use rule npfm as scene with:
         f"{OUT}/logs/scene/{{scene}}.log",
     wildcard_constraints:
         scene=any_of(RUN.scenes),
-    priority: 4
+    priority: 8
     group:
         "scene"
     resources:
