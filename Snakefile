@@ -54,6 +54,7 @@ include: "workflow/rules/stability.smk"
 if not RUN.grid.anisotropic:
 
     include: "workflow/rules/accuracy_cost.smk"
+    include: "workflow/rules/basis.smk"
     include: "workflow/rules/video.smk"
     include: "workflow/rules/effects_cost.smk"
     include: "workflow/rules/exports.smk"
@@ -63,6 +64,7 @@ if not RUN.grid.anisotropic:
     include: "workflow/rules/perception.smk"
     include: "workflow/rules/psnr_level.smk"
     include: "workflow/rules/shared_lobes.smk"
+    include: "workflow/rules/uniqueness.smk"
     include: "workflow/rules/where.smk"
 
 

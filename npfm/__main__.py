@@ -45,6 +45,8 @@ VERBS = {
     "psnr-level": "the same fits by other foregrounds, resolutions and turns of the light",
     "factorisation": "how accurate the factors of tables and formulas are",
     "importance": "how noisy a material is in a light, by the way directions are chosen",
+    "basis": "a few curves that the factors of many materials have in common, and fits in them",
+    "uniqueness": "how far apart the factors lie that fits of one material end at",
     "shared-lobes": "tables of what lobes that the channels share gain, and of sampling by D",
     "power-iterations": "tables of what power iterations find, and how well and fast",
     "perception": "how well metrics agree with what people see",

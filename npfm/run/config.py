@@ -26,8 +26,8 @@ from npfm.run.words import as_input, option, path_word
 
 ONLY_HALF_DIFFERENCE = (
     "config: dataset: on a directional grid there is no Figure 3, and no target accuracy_cost, "
-    "bounces, effects, exports, factorisation, importance, perception, psnr_level, shared_lobes, "
-    "video or where: they are of theta_h, or for isotropic tables alone"
+    "basis, bounces, effects, exports, factorisation, importance, perception, psnr_level, "
+    "shared_lobes, uniqueness, video or where: they are of theta_h, or for isotropic tables alone"
 )
 
 

@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from npfm.__main__ import VERBS, main
-from npfm.evaluation import psnr_level, quality, stability, tables
+from npfm.evaluation import psnr_level, quality, stability, tables, uniqueness
 from npfm.evaluation.accuracy_cost import FITS
 from npfm.fitting import fits, registry
 from npfm.fitting.fits import Fit
@@ -32,6 +32,8 @@ CALLS = {
         "a.csv",
         "a.exr",
     ),
+    "basis gather": ("{made}/fits/independent-g/chalk.npz -o {out}/a.npz", "a.npz"),
+    "uniqueness table": ("{made}/uniqueness.csv -o {out}/a.csv", "a.csv"),
     "shared-lobes psnr": ("{made}/compared.csv -o {out}/a.csv", "a.csv"),
     "tabulate": ("{made}/chalk.npz -o {out}/a.binary", "a.binary"),
     "texture": ("{made}/fits/independent-g/chalk.npz -o {out}/a.exr", "a.exr"),
@@ -204,6 +206,8 @@ def folder(tmp_path_factory, table, light_file):
     tables.write(made / "level.csv", pd.DataFrame(rows, columns=psnr_level.MEASURED))
     rows = [("chalk", "compared", "bivariate", "A", 1.0, 100, 40.0)]
     tables.write(made / "compared.csv", pd.DataFrame(rows, columns=FITS))
+    rows = [("chalk", "red", 8, 2, *[0.01] * (len(uniqueness.CHANNEL) - 4))]
+    tables.write(made / "uniqueness.csv", pd.DataFrame(rows, columns=uniqueness.CHANNEL))
     rows = pd.DataFrame(columns=stability.COLUMNS)
     tables.write(made / "stability.csv", rows)
     shapes = {"rho_d": 3, "rho_s": 3, "alpha": 1, "f0": 1}

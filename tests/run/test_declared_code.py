@@ -11,7 +11,9 @@ import pytest
 from bsdf import fields, tensor_file
 
 from npfm.__main__ import main
-from npfm.fitting import registry
+from npfm.fitting import fits, registry
+from npfm.fitting.basis import library
+from npfm.fitting.objective import Objective
 from npfm.fitting.solvers.choice import module_of
 from npfm.run.provenance import closure, command_code, covered
 
@@ -229,6 +231,18 @@ CALLS = [
         "shared-lobes sampling lobes.npz --light lights/grove.exr --resolution 4 --samples 2"
         " --reference-samples 4 --repetitions 1 -o x.csv",
     ),
+    (
+        "basis",
+        models("independent-g"),
+        "basis fit chalk.binary --factors library.npz --curves 1 --max-iterations 1 -o x.npz",
+    ),
+    (
+        "basis",
+        models("independent-g"),
+        "basis measure chalk.binary --factors library.npz --fit own.npz --scenes scenes/A"
+        " --curves 1 --max-iterations 1 -o x.csv",
+    ),
+    ("uniqueness", [], "uniqueness summary uniqueness.csv -o x.csv"),
     ("power-iterations timing", [], "power-iterations timing --repeats 1 -o x.csv"),
     (
         "export",
@@ -253,6 +267,8 @@ def folder(tmp_path_factory, light_file):
         f"fit {folder}/materials/chalk.binary --model power-iteration -o {folder}/power.npz",
         f"fit {folder}/materials/chalk.binary --model shared-lobes --lobes 1 --starts 1"
         f" --max-iterations 1 -o {folder}/lobes.npz",
+        f"fit {folder}/materials/chalk.binary --model independent-g --starts 1"
+        f" --max-iterations 1 -o {folder}/own.npz",
         f"light {light_file} --layout lat-long --height 8 -o {folder}/lights/grove.exr",
         f"scene --light {folder}/lights/grove.exr --objects sphere --resolution 8 --samples 8"
         f" --record {folder}/scenes/A.json -o {folder}/scenes/A",
@@ -272,6 +288,12 @@ def folder(tmp_path_factory, light_file):
     for call in calls:
         assert main(call.split()) == 0
     shutil.copy(folder / "materials/chalk.binary", folder)
+    own = dict.fromkeys(("chalk", "slate", "gypsum", "shale"), fits.load(folder / "own.npz"))
+    library.save(folder / "library.npz", library.gather(own, Objective()))
+    columns = "material,channel,starts,near,worst,D,G,F,F_G2,product"
+    columns += ",sigma_ratio,sigma_ratio_specular,roughness"
+    row = "chalk,red,8,2,0,0,0,0,0,0,0.1,0.1,0.1"
+    (folder / "uniqueness.csv").write_text(f"{columns}\n{row}\n")
     (folder / "x.fit").write_text(FIT)
     (folder / "paint.bsdf").write_bytes(tensor_file(fields(np.random.default_rng(1))))
     factors = dict.fromkeys("DGF", np.ones((1, 90, 3)))

@@ -1,0 +1,135 @@
+"""What a number of curves reaches: the rows of one material, and the averages of many."""
+
+from functools import partial
+
+import numpy as np
+import pandas as pd
+import pytest
+from lobed import GRID, many
+
+from npfm.evaluation import basis as study
+from npfm.evaluation import tables
+from npfm.evaluation.metrics import psnr
+from npfm.fitting.basis import library
+from npfm.fitting.objective import Objective, channel_samples, evaluate
+from npfm.fitting.registry import model as module_of
+from npfm.fitting.solvers import gauss_newton
+from npfm.fitting.solvers.problem import SolverSettings
+from npfm.reflectance.table import Table
+from npfm.rendering import assembly
+from npfm.rendering.lights.environment import Environment
+from npfm.rendering.scenes import Scene
+from npfm.rendering.transport import render
+
+SOLVE = partial(gauss_newton.solve, settings=SolverSettings())
+COUNTS = [3, 1]
+
+
+@pytest.fixture(scope="module", params=["independent-g", "shared-lobes"])
+def found(request):
+    """A material, its own fit, the ways to its factors, and the table of a scene."""
+    fits, module = many(request.param), module_of(request.param)
+    exact = module.tabulate(fits["m1"])
+    noise = 1 + 0.05 * np.random.default_rng(2).standard_normal(exact.values.shape)
+    measured = Table(np.where(exact.values < 0, -1, exact.values * noise), GRID)
+    others = library.gather(fits, Objective()).without("m1")
+    own = study.Own(fits["m1"], 0.01, 2.5)
+    ways = study.ways(measured, own, others, COUNTS, Objective(), SOLVE)
+    light = Environment(np.random.default_rng(1).uniform(0.1, 1, (4, 8, 3)))
+    matrix = assembly.build(Scene(("sphere",)), light, GRID, 8, 64, 1)
+    return (
+        measured,
+        others,
+        ways,
+        matrix,
+        study.measure(measured, ways, {"A": matrix}, module.tabulate),
+    )
+
+
+def test_every_way_has_a_row_and_every_size_is_counted(found):
+    _, others, _, _, table = found
+    assert tuple(table.columns) == study.MEASURED[2:]
+    rows = list(zip(table["way"], table["curves"], strict=True))
+    assert rows == [
+        ("free", 0), ("fitted", 1), ("projected", 1), ("fitted", 3), ("projected", 3),
+    ]  # fmt: skip
+    for row in table[table["way"] == "fitted"].itertuples():
+        assert row.bytes == 4 * row.unknowns == 4 * others.unknowns(row.curves)
+        assert row.basis_bytes == 4 * (row.curves + 1) * (18 + 18 + 90)
+        assert row.seconds > 0
+    assert table.loc[0, ["seconds", "objective", "basis_bytes"]].tolist() == [2.5, 0.01, 0]
+
+
+def test_objectives_are_those_of_the_tables_that_fits_make(found):
+    measured, others, ways, _, _ = found
+    tabulate = module_of(others.model).tabulate
+    for way in ways[1::2]:
+        made, shares = tabulate(way.fit), []
+        for channel in range(3):
+            samples = channel_samples(measured, channel, Objective())
+            model = np.maximum(made.values[channel], 0) / samples.scale
+            shares.append(evaluate(samples, model) / samples.energy)
+        assert way.objective == pytest.approx(np.mean(shares), rel=1e-4)
+
+
+def test_what_is_fitted_is_no_worse_than_what_is_laid_into_the_curves(found):
+    _, _, ways, _, _ = found
+    for fitted, laid in zip(ways[1::2], ways[2::2], strict=True):
+        assert (fitted.name, laid.name) == ("fitted", "projected")
+        assert fitted.objective <= laid.objective * (1 + 1e-2)
+
+
+def test_no_more_curves_than_other_materials_make():
+    fits = many("independent-g")
+    measured = module_of("independent-g").tabulate(fits["m1"])
+    alike = dict.fromkeys(("a", "b", "c"), fits["m2"])
+    for few, counts in ((alike, [0]), ({k: fits[k] for k in ("m2", "m3", "m4")}, [1, 2])):
+        others, own = library.gather(few, Objective()), study.Own(fits["m1"], 0.01, 1.0)
+        ways = study.ways(measured, own, others, [1, 7], Objective(), SOLVE)
+        assert [way.curves for way in ways[1::2]] == counts
+        assert all(np.isfinite(way.objective) for way in ways)
+        assert [way.unknowns for way in ways[1::2]] == [9 * n + 6 for n in counts]
+
+
+def test_pictures_are_those_of_the_fits(found):
+    measured, others, ways, matrix, table = found
+    reference = render(matrix, measured)[..., :3]
+    for way, level in zip(ways, table["psnr_db"], strict=True):
+        if way.fit is None:
+            assert np.isnan(level)
+            continue
+        made = module_of(others.model).tabulate(way.fit).where_measured(measured)
+        expected = psnr(render(matrix, made)[..., :3], reference, matrix.foreground)
+        assert level == pytest.approx(expected, abs=1e-2)
+
+
+def rows(material, free, fitted, levels):
+    """Two scenes of a material, with a fit of 5 curves."""
+    head = material, "mine"
+    return [
+        row
+        for scene, drop in (("A", 0), ("B", 10))
+        for row in (
+            (*head, "free", 0, 816, 3264, 0, 2.0, free, scene, levels[0] - drop),
+            (*head, "fitted", 5, 51, 204, 6480, 1.0, fitted, scene, levels[1] - drop),
+            (*head, "projected", 5, 51, 204, 6480, np.nan, 2 * fitted, scene, np.nan),
+        )
+    ]
+
+
+def test_the_summary_averages_over_materials(tmp_path):
+    for name, *numbers in (("a", 0.01, 0.02, (50, 48)), ("b", 0.04, 0.32, (40, 34))):
+        table = pd.DataFrame(rows(name, *numbers), columns=study.MEASURED)
+        tables.write(tmp_path / f"{name}.csv", table)
+    found = study.summary(study.read([tmp_path / "a.csv", tmp_path / "b.csv"]))
+    assert tuple(found.columns) == study.SUMMARY
+    free, fitted, laid = found.to_dict("records")
+    assert (free["way"], fitted["way"], laid["way"]) == ("free", "fitted", "projected")
+    assert fitted["objective"] == pytest.approx(0.08) and free["times_free"] == pytest.approx(1)
+    assert fitted["times_free"] == pytest.approx(4) and fitted["times_free_most"] == 8
+    assert laid["times_free"] == pytest.approx(8) and np.isnan(laid["psnr_db"])
+    assert (fitted["psnr_db"], fitted["db_lost"], fitted["db_lost_most"]) == (36, 4, 6)
+    assert (fitted["materials"], fitted["bytes"], fitted["basis_bytes"]) == (2, 204, 6480)
+    tables.write(tmp_path / "summary.csv", found)
+    again = study.read_summary(tmp_path / "summary.csv")
+    pd.testing.assert_frame_equal(again, found, check_dtype=False, rtol=1e-5)
