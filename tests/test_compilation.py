@@ -5,7 +5,7 @@ from npfm import compilation
 from npfm.errors import NpfmWarning
 from npfm.fitting.factors import kernels as fitting
 from npfm.rendering import kernels as rendering
-from npfm.rendering import row_sums
+from npfm.rendering import product_kernel, row_sums
 
 PASSES = [
     fitting.kernel_sums,
@@ -13,6 +13,7 @@ PASSES = [
     rendering.half_difference_cells,
     row_sums.row_sums,
     rendering.highlights,
+    product_kernel.radiances,
 ]
 
 

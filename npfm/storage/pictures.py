@@ -221,3 +221,43 @@ def read_png(path: str | Path) -> NDArray[np.uint8]:
             return np.asarray(picture.convert("RGB"))
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
         raise NpfmError(f"{path}: not a PNG picture ({error}); make it with npfm render") from error
+
+
+#: A larger texture would take gigabytes as numbers, and no picture of ours shows more.
+MOST_TEXELS = 2**24
+#: Modes of PNG pictures whose bands are weights, and what each is read as; a palette's are colours.
+BANDS = {"1": "L", "L": "L", "RGB": "RGB", "RGBA": "RGBA", "P": "RGB"}
+
+
+def read_bands(path: str | Path) -> NDArray[np.float64]:
+    """Read the values of a PNG picture of 8 bits: grey, RGB or RGBA.
+
+    Returns
+    -------
+    ndarray, shape (height, width, 1, 3 or 4)
+        From 0 to 1; row 0 is the top. Alpha is a band like the others.
+
+    Raises
+    ------
+    NpfmError
+        If the file is absent, is no PNG picture of one of `BANDS`, or is too large.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise NpfmError(f"{path}: no such picture; give the path of a PNG")
+    try:
+        with Image.open(path, formats=["PNG"]) as picture:
+            width, height = picture.size
+            if width * height > MOST_TEXELS:
+                raise NpfmError(
+                    f"{path}: {width} x {height} pixels; give at most {MOST_TEXELS}, as 4096 x 4096"
+                )
+            if picture.mode not in BANDS:
+                raise NpfmError(
+                    f"{path}: a picture of mode {picture.mode}; give a PNG of 8 bits, in grey, RGB "
+                    "or RGBA"
+                )
+            values = np.asarray(picture.convert(BANDS[picture.mode]), dtype=float) / 255
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        raise NpfmError(f"{path}: cannot be read as a picture ({error}); give a PNG") from error
+    return values[..., None] if values.ndim == 2 else values

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from npfm.errors import NpfmError
 from npfm.reflectance.half_difference import HalfDifference
 from npfm.reflectance.table import Table
 from npfm.rendering import assembly, textures, transport
@@ -57,6 +58,28 @@ def test_black_is_the_first_and_white_the_last(matrix, places):
         parts = textures.shares(np.full((4, 4), value), places, 3)
         found = textures.render_varying(matrix, tables, parts)
         np.testing.assert_allclose(found, transport.render(matrix, table), rtol=1e-5)
+
+
+def test_weights_are_read_off_bands():
+    grey = np.array([[[0.0], [0.5], [1.0]]])
+    between = textures.weights_of(grey)
+    np.testing.assert_allclose(between[0], [[1, 0, 0, 0], [0, 0.5, 0.5, 0], [0, 0, 0, 1]])
+    colours = np.array([[[1.0, 0, 0], [0, 0, 0], [0.25, 0.25, 0], [1, 1, 0]]])
+    expected = [[1, 0, 0, 0], [0, 0, 0, 1], [0.25, 0.25, 0, 0.5], [0.5, 0.5, 0, 0]]
+    np.testing.assert_allclose(textures.weights_of(colours)[0], expected)
+    np.testing.assert_allclose(textures.weights_of(np.array([[[0.0, 0.5, 0, 1]]]))[0, 0, 3], 2 / 3)
+    with pytest.raises(NpfmError, match="no material at column 1, row 0"):
+        textures.weights_of(np.array([[[1.0, 0, 0, 0], [0, 0, 0, 0]]]))
+
+
+def test_own_weights_have_every_material_and_mixtures(places):
+    weights = textures.own_weights()
+    np.testing.assert_allclose(weights.sum(axis=-1), 1, rtol=1e-12)
+    assert (weights.max(axis=(0, 1)) > 0.95).all()
+    assert (weights.mean(axis=(0, 1)) > 0.1).all()
+    parts = textures.shares_of_weights(weights, places)
+    assert parts.shape == (4, RESOLUTION, RESOLUTION)
+    np.testing.assert_allclose(parts.sum(axis=0), 1, rtol=1e-12)
 
 
 def test_the_own_texture_has_no_seam_and_all_values():
