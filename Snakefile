@@ -61,6 +61,7 @@ if not RUN.grid.anisotropic:
     include: "workflow/rules/factorisation.smk"
     include: "workflow/rules/importance.smk"
     include: "workflow/rules/bounces.smk"
+    include: "workflow/rules/blends.smk"
     include: "workflow/rules/perception.smk"
     include: "workflow/rules/psnr_level.smk"
     include: "workflow/rules/shared_lobes.smk"

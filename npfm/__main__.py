@@ -39,6 +39,7 @@ VERBS = {
     "video": "a light turned around a material, and its fit converging: pages and animations",
     "gallery": "make the pages of a gallery that a browser opens from disk",
     "reproduction": "put the paper's claims to the tables of a run, as a page of Markdown",
+    "blends": "an object that changes between four materials, blended in several ways",
     "bounces": "a still life of five materials, by each way of choosing the directions of paths",
     "effects-cost": "what effects cost and change, switched off and on",
     "accuracy-cost": "tables of what accuracy costs in time",

@@ -44,6 +44,7 @@ FIGURES = {
     "convergence": "objective against seconds, every start by both solvers",
     "pareto": "mean PSNR (dB) against mean seconds of a fit, and against its bytes",
     "settings": "PSNR (dB) and seconds against the number of starts and the tolerance",
+    "blends": "a material that changes over an object, and mixtures half way, by ways of blending",
     "bounces": "a still life by paths, whose directions are chosen in several ways",
     "effects_cost": "what each effect costs in each scene, and where it changes the picture",
     "psnr_level": "PSNR (dB) by foreground, resolution and turn of the light, beside the paper's",

@@ -26,9 +26,11 @@ from npfm.run.words import as_input, option, path_word
 
 ONLY_HALF_DIFFERENCE = (
     "config: dataset: on a directional grid there is no Figure 3, and no target accuracy_cost, "
-    "basis, bounces, effects, exports, factorisation, importance, perception, psnr_level, "
+    "basis, blends, bounces, effects, exports, factorisation, importance, perception, psnr_level, "
     "shared_lobes, uniqueness, video or where: they are of theta_h, or for isotropic tables alone"
 )
+#: The model that has one D, F and G a channel, whose fits `npfm blends` takes.
+BLENDED = "independent-g"
 
 
 @dataclass(frozen=True)
@@ -406,7 +408,7 @@ def check(config: Mapping[str, Any]) -> Run:
                 f"config: scenes/{scene}/light: unknown light '{described['light']}'; {hint}"
             )
         _check_scene(scene, described)
-    for key in ("accuracy_cost", "video"):
+    for key in ("accuracy_cost", "blends", "video"):
         scene = config[key].get("scene")
         if scene is not None and scene not in config["scenes"]:
             hint = suggest(scene, config["scenes"])
@@ -414,6 +416,13 @@ def check(config: Mapping[str, Any]) -> Run:
     if unknown := [name for name in config["video"]["variants"] if name not in known]:
         hint = suggest(unknown[0], known)
         raise NpfmError(f"config: video/variants: unknown variant '{unknown[0]}'; {hint}")
+    blended = config["blends"]["variant"]
+    model = named[blended].model if blended in named else blended
+    if model != BLENDED:
+        raise NpfmError(
+            f"config: blends/variant: '{blended}' has no D, F and G to be blended; give {BLENDED} "
+            "or a variant of it"
+        )
     for name in config["importance"].get("lights", []):
         if name not in config["lights"]:
             hint = suggest(name, config["lights"])

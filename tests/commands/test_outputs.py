@@ -79,6 +79,19 @@ CALLS = {
         "a.exr",
         "a.png",
     ),
+    "vary --blend log-factors": (
+        "{made}/A {made}/fits/independent-g/chalk.npz --objects sphere -o {out}/a.exr",
+        "a.exr",
+        "a.png",
+    ),
+    "blends": (
+        "{made}/A --objects sphere --measured"
+        + 4 * " {made}/chalk.binary"
+        + " --fits"
+        + 4 * " {made}/fits/independent-g/chalk.npz"
+        + " --pictures {out}/a.exr --half-way {out}/b.csv -o {out}/a.csv",
+        *("a.exr", "b.csv", "a.csv"),
+    ),
     "compare": ("{made}/measured.exr {made}/fitted.exr -o {out}/a.exr", "a.exr"),
     "tables psnr": (
         "--run {made} --scenes A --materials chalk --variants bivariate -o {out}/a.csv",

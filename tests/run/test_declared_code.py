@@ -202,6 +202,20 @@ CALLS = [
         "effects-cost compare scenes/A --tables chalk.binary --fits fits/naive/chalk.npz"
         " -o x.csv --pictures y.exr",
     ),
+    (
+        "vary",
+        models("independent-g"),
+        "vary scenes/A lobe.npz lobe.npz --objects sphere --blend same-albedo -o x.exr",
+    ),
+    (
+        "blends",
+        models("independent-g"),
+        "blends scenes/A --objects sphere --measured"
+        + 4 * " chalk.binary"
+        + " --fits"
+        + 4 * " lobe.npz"
+        + " --steps 1 --pictures x.exr --half-way y.csv -o x.csv",
+    ),
     ("psnr-level angles", [], "psnr-level angles --objects sphere --resolution 4 -o x.exr"),
     (
         "psnr-level measure",
@@ -265,6 +279,8 @@ def folder(tmp_path_factory, light_file):
         f"fit {folder}/materials/chalk.binary --model naive --max-iterations 1"
         f" -o {folder}/fits/naive/chalk.npz",
         f"fit {folder}/materials/chalk.binary --model power-iteration -o {folder}/power.npz",
+        f"fit {folder}/materials/chalk.binary --model independent-g --starts 1 --max-iterations 1"
+        f" -o {folder}/lobe.npz",
         f"fit {folder}/materials/chalk.binary --model shared-lobes --lobes 1 --starts 1"
         f" --max-iterations 1 -o {folder}/lobes.npz",
         f"fit {folder}/materials/chalk.binary --model independent-g --starts 1"
