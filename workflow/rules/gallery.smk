@@ -70,7 +70,8 @@ use rule npfm as gallery_overview with:
 use rule npfm as gallery_demo with:
     input:
         templates=[
-            as_input(str(path)) for path in [*templates("demo"), *declared_format("glsl").files]
+            as_input(str(path))
+            for path in [*templates("demo"), *declared_format("glsl").files]
         ],
         fits=rules.fits_table.output,
         stored=[
