@@ -57,7 +57,7 @@ def test_presets_are_valid_and_named_after_their_file(preset, data, tmp_path):
     run = check(configured(**changes))
     assert run.folder == f"results/{preset.stem}"
     counts = {"smoke": 2, "neural-10": 10, "neural": 100, "perception": 100, "merl": 1}
-    counts |= {"anisotropic": 12, "rgl": 4}
+    counts |= {"anisotropic": 12, "rgl": 4, "paper": 12}
     assert len(run.materials) == counts[preset.stem]
 
 
