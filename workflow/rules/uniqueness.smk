@@ -52,6 +52,7 @@ use rule npfm as uniqueness_measure with:
     wildcard_constraints:
         material=any_of(RUN.materials),
     resources:
+        mem_mb=500,
         runtime=5,
     params:
         verb="uniqueness measure",
