@@ -33,9 +33,9 @@ example:
   python -m npfm blends scene-a --objects sphere --measured brass.binary cloth.binary \\
       paint.binary nylon.binary --fits brass.npz cloth.npz paint.npz nylon.npz \\
       --pictures blends.exr --half-way half_way.csv -o blends.csv
-renders an object that changes between four materials by a texture of weights, blended in tables and
-in logarithms of factors; and the mixtures half way between neighbours. Seconds are CPU time.
-Without --weights it wears the project's own texture.
+renders an object that changes between four materials by a texture of weights, blended in tables, in
+logarithms of factors and, with --factors, in a basis of them; and the mixtures half way between
+neighbours. Seconds are CPU time. Without --weights it wears the project's own texture.
 """
 
 
@@ -64,6 +64,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="steps of weights where a table is made for each mixture instead",
     )
+    parser.add_argument("--factors", help="of many materials, made by npfm basis gather")
+    parser.add_argument(
+        "--curves", type=whole(1), default=5, help="of a basis of these (default: %(default)s)"
+    )
     parser.add_argument("--name", default="scene", help="of the scene, in the table")
     for names, kind, what in (
         (["--pictures"], EXR, "pictures, as the parts of an EXR"),
@@ -78,6 +82,8 @@ def run(arguments: argparse.Namespace) -> None:
     names = [Path(path).stem for path in arguments.measured]
     measured = [read_table(path) for path in arguments.measured]
     chosen = blends.ways(arguments.fits)
+    if arguments.factors:
+        chosen |= blends.in_basis(arguments.fits, arguments.factors, arguments.curves)
     matrix = transport.load(arguments.scene)
     grids = [table.grid for table in measured] + [way.palette.grid for way in chosen.values()]
     if any(grid != matrix.grid for grid in grids):

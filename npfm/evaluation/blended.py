@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
+from npfm.fitting.basis.curves import Basis, coefficients, reconstruct
 from npfm.fitting.channels import as_table
 from npfm.fitting.factors.microfacet import G_NODES, G_THETA, elevations, tabulate_channel
 from npfm.fitting.fits import Fit, load
@@ -118,6 +119,27 @@ def palette(paths: Sequence[str]) -> Palette:
         strength = strength * np.maximum(top, 0) ** (2 if name == "G" else 1)
     log_rho_s = np.log(np.maximum(strength, NOTHING))
     return Palette(logs, log_rho_s, np.maximum(given["rho_d"], 0), grid)
+
+
+def in_bases(given: Palette, bases: Mapping[str, Basis]) -> Palette:
+    """Lay factors into bases of their logarithms, and keep the specular albedo at normal incidence.
+
+    A blend of the coefficients of the curves is the blend of the logarithms that they make.
+
+    Parameters
+    ----------
+    given : Palette
+    bases : mapping of str to Basis
+        Of D, F and G.
+    """
+    logs = {}
+    for name, basis in bases.items():
+        rows = given.logs[name].reshape(-1, basis.mean.size)
+        found = np.log(reconstruct(basis, coefficients(basis, rows)))
+        logs[name] = found.reshape(given.logs[name].shape)
+    laid, alone = replace(given, logs=logs), np.eye(len(given.rho_d))
+    before, after = (specular_albedo(p.products(alone), p.grid) for p in (given, laid))
+    return replace(laid, log_rho_s=given.log_rho_s + np.log(before / after))
 
 
 def _check(path: str, fit: Fit, grid: Grid) -> None:

@@ -12,14 +12,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from npfm.errors import NpfmError
 from npfm.evaluation import tables
-from npfm.evaluation.accuracy_cost import columns, pictures
-from npfm.evaluation.blended import BLENDS, Palette, palette, reading, tabulated
+from npfm.evaluation.blended import BLENDS, Palette, in_bases, palette, reading, tabulated
 from npfm.evaluation.metrics import psnr_or_gap
 from npfm.fitting import registry
-from npfm.reflectance.table import Table
+from npfm.fitting.basis import library
+from npfm.reflectance.table import CHANNELS, Table
 from npfm.rendering.products import Products, Reading, render_products
-from npfm.rendering.transport import Transport
+from npfm.rendering.transport import Transport, columns, pictures
 from npfm.storage.files import Kind, marked
 
 Array = NDArray[np.float64]
@@ -84,6 +85,37 @@ def ways(paths: Sequence[str]) -> dict[str, Way]:
     seconds = time.process_time() - began
     own, held = free.value_count, free.value_count * len(paths)
     return {name: Way(free, blend, TABLES, own, held, seconds) for name, blend in BLENDS.items()}
+
+
+def in_basis(paths: Sequence[str], factors: str, count: int) -> dict[str, Way]:
+    """Return the way that blends coefficients of curves that the factors of many materials share.
+
+    Parameters
+    ----------
+    paths : sequence of str
+        Files of the fits.
+    factors : str
+        File of the factors of many fits, as ``npfm basis gather`` writes it.
+    count : int
+        Number of curves of each of D, F and G; fewer if there are no more.
+
+    Raises
+    ------
+    NpfmError
+        If a file cannot be read, or the factors are of another model or grid.
+    """
+    began = time.process_time()
+    free, given = palette(paths), library.load(factors)
+    if not given.single or given.grid != free.grid:
+        raise NpfmError(f"{factors}: of another model or grid than the fits; gather theirs")
+    bases = given.bases(count)
+    laid = in_bases(free, bases)
+    seconds = time.process_time() - began
+    curves = sum(basis.count for basis in bases.values())
+    own = len(CHANNELS) * (curves + 2)
+    held = len(paths) * own + sum(basis.mean.size * (basis.count + 1) for basis in bases.values())
+    name = f"basis-{max(basis.count for basis in bases.values())}"
+    return {name: Way(laid, Palette.products, next(iter(BLENDS)), own, held, seconds)}
 
 
 def where_measured(matrix: Transport, measured: Sequence[Table]) -> Transport:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from npfm.run.basis import OBJECTIVE, told
 from npfm.run.config import Run
 from npfm.run.study import Study
 from npfm.run.words import as_input, option, path_word
@@ -53,6 +54,16 @@ class Plan(Study):
         return [f"{self.folders[self.variant]}/{name}.npz" for name in self.materials]
 
     @property
+    def gather_inputs(self) -> list[str]:
+        """Fits of all materials, which the basis is of."""
+        return [f"{self.folders[self.variant]}/{name}.npz" for name in self.run.materials]
+
+    @property
+    def gather_options(self) -> list[str]:
+        """Arguments of ``npfm basis gather``: what the fits were made by."""
+        return told(self.study.variants[self.variant], OBJECTIVE)
+
+    @property
     def weights(self) -> list[str]:
         """The picture of the weights: one path, or none."""
         path = self._asked.get("weights")
@@ -73,6 +84,7 @@ class Plan(Study):
         return [
             *("--objects", *self.run.config["scenes"][self.scene]["objects"]),
             *("--name", self.scene),
+            *("--curves", f"{self._asked['curves']}"),
             *option("--steps", map(str, self._asked["steps"])),
         ]
 

@@ -5,8 +5,10 @@ import pytest
 from npfm.errors import NpfmError
 from npfm.evaluation import blended, blends
 from npfm.fitting import fits
+from npfm.fitting.basis import library
 from npfm.fitting.factors.microfacet import G_NODES, tabulate_channel
 from npfm.fitting.fits import Fit
+from npfm.fitting.objective import Objective
 from npfm.reflectance.half_difference import MERL, HalfDifference
 from npfm.reflectance.table import INVALID, Table
 from npfm.rendering import assembly, products, transport
@@ -217,3 +219,33 @@ def test_how_far_a_highlight_reaches(width):
     for part in (0.5, 0.01):
         expected = width * np.sqrt(-2 * np.log(part))
         assert blends.reach(table, part) == pytest.approx(expected, rel=0.01)
+
+
+def test_as_many_curves_as_there_are_factors_change_nothing(files, tmp_path, matrix, parts):
+    loaded = {file: fits.load(file) for file in files}
+    library.save(tmp_path / "factors.npz", library.gather(loaded, Objective()))
+    (whole,) = blends.in_basis(files, str(tmp_path / "factors.npz"), 90).values()
+    (small,) = blends.in_basis(files, str(tmp_path / "factors.npz"), 2).values()
+    free = blends.ways(files)["log-factors"]
+    assert small.own == 3 * (2 * 3 + 2) < free.own
+    assert small.held == 4 * small.own + 3 * (8 + 8 + G_NODES)
+    at = blended.reading(GRID)
+    shown = [
+        products.render_products(
+            matrix, at, lambda pixels, way=way: way.blend(way.palette, parts[pixels])
+        )
+        for way in (free, whole, small)
+    ]
+    np.testing.assert_allclose(shown[1], shown[0], rtol=1e-3)
+    assert np.abs(shown[2] - shown[0]).max() > 1e-3 * shown[0].max()
+    alone = np.eye(4)
+    albedos = [blended.specular_albedo(w.palette.products(alone), GRID) for w in (free, small)]
+    np.testing.assert_allclose(*albedos, rtol=1e-9)
+    library.save(
+        tmp_path / "other.npz",
+        library.gather(
+            {"a": Fit("independent-g", parameters(1), HalfDifference(8, 8, 18))}, Objective()
+        ),
+    )
+    with pytest.raises(NpfmError, match="of another model or grid"):
+        blends.in_basis(files, str(tmp_path / "other.npz"), 2)

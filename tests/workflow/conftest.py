@@ -44,7 +44,7 @@ CONFIG = {
     },
     "gallery": {"measured": ["*"]},
     "video": {"variants": ["independent-g", "naive"], "turns": 3, "resolution": 8, "samples": 32},
-    "blends": {"materials": ["chalk"], "variant": "independent-g", "steps": [2]},
+    "blends": {"materials": ["chalk"], "variant": "independent-g", "curves": 2, "steps": [2]},
     "bounces": {
         "materials": ["chalk"],
         "resolution": 4,

@@ -12,7 +12,8 @@ def test_the_target_blends_and_builds_no_scene_again(project):
     project.configure(blends=asked)
     planned = project.planned("blends")
     assert {name for name in planned if name.startswith("blends/") and name.endswith(".npz")} == {
-        "blends/fits/independent-g/chalk.npz"
+        "blends/fits/independent-g/chalk.npz",
+        "blends/factors.npz",
     }
     run = project.snakemake("blends")
     assert run.returncode == 0, run.stdout + run.stderr
@@ -21,7 +22,7 @@ def test_the_target_blends_and_builds_no_scene_again(project):
     assert (table["scene"] == "C").all()
     assert table["way"].tolist()[:2] == ["measured", "tables"]
     half = pd.read_csv(results / "tables/blends_half_way.csv")
-    assert (half["first"] == "chalk").all() and len(half) == 3 * 5
+    assert (half["first"] == "chalk").all() and len(half) == 3 * 6
     parts = read_exr_parts(results / "blends/pictures.exr")
     assert set(table["way"]) < set(parts)
     assert parts["weights"].min() >= 0 and (parts["weights"] == 0.25).any()

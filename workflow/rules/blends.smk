@@ -20,11 +20,29 @@ use rule fit as blends_fit with:
         options=lambda wildcards: BLENDS.study.variants[wildcards.variant].options,
 
 
+use rule npfm as blends_gather with:
+    input:
+        BLENDS.gather_inputs,
+    output:
+        f"{BLENDS.folder}/factors.npz",
+    log:
+        f"{OUT}/logs/blends/gather.log",
+    resources:
+        mem_mb=1000,
+        runtime=5,
+    params:
+        verb="basis gather",
+        code=command_code("basis"),
+        files=lambda wildcards, input, output: [*words(input), "-o", *output],
+        options=BLENDS.gather_options,
+
+
 use rule npfm as blends_measure with:
     input:
         scene=f"{OUT}/scenes/{BLENDS.scene}",
         tables=BLENDS.tables,
         fits=BLENDS.fits,
+        factors=rules.blends_gather.output,
         weights=BLENDS.weights,
         mesh=RUN.mesh(BLENDS.scene),
     output:
@@ -52,6 +70,7 @@ use rule npfm as blends_measure with:
         files=lambda wildcards, input, output: [
             input.scene,
             *BLENDS.word_options,
+            *("--factors", *input.factors),
             *("--pictures", output.pictures, "--half-way", output.half_way),
             *("-o", output.table),
         ],
