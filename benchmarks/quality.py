@@ -49,11 +49,11 @@ def main() -> None:
         "import of scikit-image": seconds(scikit_image, 1),
     }
     scene, material, variant = arguments.names
-    from npfm.commands.sources import table
     from npfm.evaluation import perceived
     from npfm.evaluation.comparison import read_reference
     from npfm.evaluation.metrics import psnr
     from npfm.evaluation.table_distances import distances
+    from npfm.fitting.sources import table
     from npfm.storage.pictures import read_exr, read_png
 
     folder = arguments.run / "renders" / scene / material
