@@ -32,7 +32,7 @@ from npfm.rendering.transport import Transport, render
 
 SCENE = Scene(("sphere",), ("antialiasing",))
 OURS = (64, 128, 256, 512, 1024, 2048, 4096, 8192)  # samples a pixel
-THEIRS = (64, 256, 1024, 4096)  # paths a pixel
+THEIRS = (64, 256, 1024, 4096, 16384)  # paths a pixel
 #: Paths a pixel that are followed at once; more do not fit into memory.
 AT_ONCE = 64
 MATERIALS = (1, 10, 100)
@@ -126,7 +126,7 @@ def main() -> None:
     parser.add_argument("table")
     parser.add_argument("--resolution", type=int, default=128)
     parser.add_argument("--sampling", default="per-view")
-    parser.add_argument("--levels", type=float, nargs="+", default=[50.0, 55.0, 60.0, 65.0])
+    parser.add_argument("--levels", type=float, nargs="+", default=[55.0, 60.0, 64.0])
     parser.add_argument("--variant", help="of Mitsuba, such as llvm_ad_rgb or scalar_rgb")
     a = parser.parse_args()
     engine.start(a.variant)

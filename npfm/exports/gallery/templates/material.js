@@ -2,7 +2,9 @@ const NAMES = ["measured", ...DATA.variants.map((look) => look.name)];
 const LOBES = [null, "6 3", "2 2", "8 2 2 2", "1 3"];  // dashes, as many as a model has lobes
 const CHANNELS = [["red", "#D55E00"], ["green", "#009E73"], ["blue", "#0072B2"]];
 const LARGEST_SIDE = 528, MOST_ZOOM = 64;
-const state = { scene: 0, picture: 0, fit: 1, stops: 0, error: false, zoom: 1, x: 0, y: 0, pointer: null };
+// The first fit that has curves to be seen, until another is chosen.
+const firstFit = 1 + Math.max(0, DATA.variants.findIndex((look) => look.curves.length));
+const state = { scene: 0, picture: 0, fit: firstFit, stops: 0, error: false, zoom: 1, x: 0, y: 0, pointer: null };
 const cache = new Map();
 const canvas = byId("picture");
 const sheet = document.createElement("canvas");
