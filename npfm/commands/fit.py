@@ -2,17 +2,18 @@
 
 import argparse
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NoReturn
 
 from tqdm import tqdm
 
-from npfm.commands.numbers import positive, whole
+from npfm.commands.numbers import whole
+from npfm.commands.objectives import add_objective, add_solver, objective, solver
 from npfm.commands.outputs import output
 from npfm.errors import NpfmError, suggest
 from npfm.fitting import fits, registry
 from npfm.fitting.fits import Fit
-from npfm.fitting.objective import CELLS, Objective
 from npfm.fitting.registry import Model, Published
 from npfm.fitting.solvers.choice import SOLVERS, chosen
 from npfm.fitting.solvers.problem import SolverSettings
@@ -21,6 +22,7 @@ from npfm.reflectance.table_files import read_table
 #: What a digest covers beside this file (`npfm.run.provenance`).
 CODE = (
     "npfm.commands.numbers",
+    "npfm.commands.objectives",
     "npfm.commands.outputs",
     "npfm.fitting.registry",
     "npfm.fitting.solvers.choice",
@@ -44,7 +46,6 @@ dimensionless: its share of the weighted sum of squares of the measurement.
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    objective, solver = Objective(), SolverSettings()
     parser.epilog = EXAMPLE
     parser.add_argument("table", help="MERL .binary or UTIA .bin file to fit")
     parser.add_argument("--model", required=True, help=f"one of {', '.join(registry.models())}")
@@ -63,22 +64,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--solver",
-        default=solver.method,
+        default=SolverSettings.method,
         help=f"{' or '.join(SOLVERS)} (default: %(default)s)",
     )
-    parser.add_argument(
-        "--tolerance",
-        type=positive,
-        default=solver.tolerance,
-        help="stop when an iteration lowers the objective by less than this share "
-        "(default: %(default)s)",
-    )
-    parser.add_argument(
-        "--max-iterations",
-        type=whole(1),
-        default=solver.max_iterations,
-        help="cap on the iterations of one run (default: %(default)s)",
-    )
+    add_solver(parser)
     for setting, (words, meaning) in _own_settings().items():
         kind = {"choices": words} if words else {"type": int, "metavar": "N"}
         parser.add_argument(f"--{setting}", help=meaning, **kind)
@@ -87,22 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="file that a model *-published reads: .fit, or .npz of factors",
     )
-    parser.add_argument(
-        "--max-angle",
-        type=float,
-        default=objective.max_angle,
-        help="largest theta_i and theta_o that count, in degrees (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--no-compressive", action="store_true", help="leave the compressive weight out"
-    )
-    parser.add_argument(
-        "--cells",
-        choices=CELLS,
-        default=objective.cells,
-        help="how much a cell of the table counts: by the paper's volume form, or by the solid "
-        "angles of light and view, for fits to look right (default: %(default)s)",
-    )
+    add_objective(parser)
     parser.add_argument(
         "--seed", type=whole(0), default=1, help="seed of random starts (default: 1)"
     )
@@ -112,8 +86,8 @@ def run(arguments: argparse.Namespace) -> str:
     """Fit, and write the fit and its record; what it came to, in a line."""
     model = registry.declared(arguments.model)
     own = _given(model, arguments)
-    settings = SolverSettings(arguments.solver, arguments.tolerance, arguments.max_iterations)
-    objective = Objective(not arguments.no_compressive, arguments.max_angle, arguments.cells)
+    settings = replace(solver(arguments), method=arguments.solver)
+    minimised = objective(arguments)
     if arguments.iterations and not model.solver:
         raise NpfmError(f"'{arguments.model}' runs no iterations; leave --iterations out")
     with tqdm(desc=f"fit {arguments.model}", unit="start", disable=None) as progress:
@@ -122,7 +96,7 @@ def run(arguments: argparse.Namespace) -> str:
         table = read_table(arguments.table)
         try:
             registry.check_grid(arguments.model, table.grid.kind)
-            fit = model.load().fit(table, objective, recorder or solve, arguments.seed, **own)
+            fit = model.load().fit(table, minimised, recorder or solve, arguments.seed, **own)
         except NpfmError as error:
             raise NpfmError(f"{arguments.table}: {error}") from error
     fits.save(arguments.output, fit)

@@ -22,7 +22,8 @@ def add_objective(parser: argparse.ArgumentParser) -> None:
         "--cells",
         choices=CELLS,
         default=Objective.cells,
-        help="how much a cell of the table counts (default: %(default)s)",
+        help="how much a cell of the table counts: by the paper's volume form, or by the solid "
+        "angles of light and view, for fits to look right (default: %(default)s)",
     )
 
 

@@ -4,13 +4,12 @@ import argparse
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from npfm.figures import style
 from npfm.figures.figure06 import LABELS
-from npfm.figures.slice_axes import TICKS_H
+from npfm.figures.slice_axes import factor_axis
 from npfm.fitting.basis import library
 from npfm.fitting.basis.curves import coefficients, reconstruct
 from npfm.fitting.basis.library import Library
@@ -73,15 +72,5 @@ def _draw_row(axes: NDArray, found: Library) -> None:
                 ax.plot(degrees, factor, color=COLORS[k], linestyle=dash, label=label)
         mean = reconstruct(basis, np.zeros(basis.count))
         ax.plot(degrees, mean, "k", linewidth=1.2, label="mean")
-        _finish(ax, name)
-
-
-def _finish(ax: Axes, name: str) -> None:
-    ax.set(yscale="log", xlim=(0, 90), ylim=(LEAST, 3))
-    if name == "D":
-        ax.set_xscale("function", functions=(np.sqrt, np.square))
-        ax.set_xticks(TICKS_H)
-    else:
-        ax.set_xticks(range(0, 91, 15))
-    ax.grid(True)
-    ax.set_axisbelow(True)
+        factor_axis(ax, name)
+        ax.set_ylim(LEAST, 3)

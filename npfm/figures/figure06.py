@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from npfm.datasets import published_factors
 from npfm.errors import NpfmError
 from npfm.figures import style
-from npfm.figures.slice_axes import TICKS_H
+from npfm.figures.slice_axes import factor_axis
 from npfm.fitting import fits
 from npfm.reflectance.half_difference import MERL
 from npfm.reflectance.table import CHANNELS
@@ -151,15 +151,10 @@ def _draw_column(
 
 
 def _finish(ax: Axes, name: str) -> None:
-    ax.set(yscale="log", xlim=(0, 90), xlabel=LABELS[name])
+    factor_axis(ax, name)
+    ax.set_xlabel(LABELS[name])
     if name == "D":
         ax.set_ylim(5e-7, 3)
-        ax.set_xscale("function", functions=(np.sqrt, np.square))
-        ax.set_xticks(TICKS_H)
-    else:
-        ax.set_xticks(range(0, 91, 15))
-    ax.grid(True)
-    ax.set_axisbelow(True)
 
 
 def _legend(dashed: bool) -> list[Line2D]:

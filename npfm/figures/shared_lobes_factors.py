@@ -5,14 +5,13 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.figures import style
 from npfm.figures.figure06 import COLORS, LABELS
-from npfm.figures.slice_axes import TICKS_H
+from npfm.figures.slice_axes import factor_axis
 from npfm.fitting import fits
 from npfm.fitting.factors.microfacet import G_THETA
 from npfm.fitting.fits import Fit
@@ -78,15 +77,5 @@ def _draw_row(axes: NDArray, fit: Fit) -> None:
     for F, (channel, color) in zip(fit.parameters["F"], COLORS.items(), strict=True):
         axes[1].plot(np.degrees(fit.grid.theta_d), F, color=color, label=channel)
     for ax, name in zip(axes, FACTORS, strict=True):
-        _finish(ax, name)
-
-
-def _finish(ax: Axes, name: str) -> None:
-    ax.set(yscale="log", xlim=(0, 90), ylim=(5e-7, 3))
-    if name == "D":
-        ax.set_xscale("function", functions=(np.sqrt, np.square))
-        ax.set_xticks(TICKS_H)
-    else:
-        ax.set_xticks(range(0, 91, 15))
-    ax.grid(True)
-    ax.set_axisbelow(True)
+        factor_axis(ax, name)
+        ax.set_ylim(5e-7, 3)

@@ -1,4 +1,4 @@
-"""Slices of a table at one phi_d, over theta_h and theta_d."""
+"""Axes of slices of a table at one phi_d, over theta_h and theta_d, and of factors of one angle."""
 
 from typing import Any
 
@@ -42,3 +42,22 @@ def label(axes: NDArray) -> None:
         ax.set_xlabel(r"$\theta_h$ (degrees)")
     for ax in axes[:, 0]:
         ax.set_ylabel("\n".join(filter(None, (ax.get_ylabel(), r"$\theta_d$ (degrees)"))))
+
+
+def factor_axis(ax: Axes, name: str) -> None:
+    """Prepare the axes of a factor in degrees, its values on a logarithmic scale.
+
+    Parameters
+    ----------
+    ax : Axes
+    name : str
+        Of the factor; the axis of a D is uniform in the root of theta_h, as the bins are.
+    """
+    ax.set(yscale="log", xlim=(0, 90))
+    if name == "D":
+        ax.set_xscale("function", functions=(np.sqrt, np.square))
+        ax.set_xticks(TICKS_H)
+    else:
+        ax.set_xticks(range(0, 91, 15))
+    ax.grid(True)
+    ax.set_axisbelow(True)

@@ -13,7 +13,7 @@ from npfm.errors import NpfmError
 from npfm.evaluation import uniqueness as study
 from npfm.figures import style
 from npfm.figures.figure06 import COLORS, LABELS
-from npfm.figures.slice_axes import TICKS_H
+from npfm.figures.slice_axes import factor_axis
 from npfm.fitting import iterations
 from npfm.fitting.factors.problem import SMALLEST
 from npfm.fitting.iterations import Iterations
@@ -110,11 +110,5 @@ def _draw_ends(ax: Axes, found: Iterations, channel: int, name: str) -> None:
         scale = np.exp(np.median(np.log(best / np.maximum(factor, SMALLEST))))
         ax.plot(found.angles[name], scale * factor, color=("#0072B2", 0.7))
     ax.plot(found.angles[name], best, color="k", linestyle=(0, (3, 1.5)))
-    ax.set(yscale="log", xlim=(0, 90), ylim=(5e-7, 20), xlabel=LABELS[name])
-    if name == "D":
-        ax.set_xscale("function", functions=(np.sqrt, np.square))
-        ax.set_xticks(TICKS_H)
-    else:
-        ax.set_xticks(range(0, 91, 15))
-    ax.grid(True)
-    ax.set_axisbelow(True)
+    factor_axis(ax, name)
+    ax.set(ylim=(5e-7, 20), xlabel=LABELS[name])

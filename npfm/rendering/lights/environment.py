@@ -96,9 +96,7 @@ class Environment:
             Index into `density`, row by row.
         """
         rows, columns, _ = self.radiance.shape
-        x, y, z = np.moveaxis(np.asarray(direction, dtype=float), -1, 0)
-        row = (np.arccos(np.clip(y, -1.0, 1.0)) * (rows / np.pi)).astype(np.intp)
-        column = ((np.arctan2(x, -z) + np.pi) * (columns / (2 * np.pi))).astype(np.intp)
+        row, column = (place.astype(np.intp) for place in self._place(direction))
         # An azimuth of +pi is that of -pi; straight down belongs to the last row.
         column = np.where(column == columns, 0, column)
         return np.minimum(row, rows - 1) * columns + column
@@ -135,9 +133,8 @@ class Environment:
             Linear RGB radiance.
         """
         rows, columns, _ = self.radiance.shape
-        x, y, z = np.moveaxis(np.asarray(direction, dtype=float), -1, 0)
-        down = np.arccos(np.clip(y, -1.0, 1.0)) * (rows / np.pi) - 0.5
-        right = (np.arctan2(x, -z) + np.pi) * (columns / (2 * np.pi)) - 0.5
+        # Centres of texels are half a texel from their edges.
+        down, right = (place - 0.5 for place in self._place(direction))
         row, column = np.floor(down).astype(np.intp), np.floor(right).astype(np.intp)
         result = np.zeros(np.shape(direction))
         for k, below in enumerate((1 - (down - row), down - row)):
@@ -145,6 +142,13 @@ class Environment:
             for j, share in enumerate((1 - (right - column), right - column)):
                 result += (below * share)[..., None] * self.texels[first + (column + j) % columns]
         return result
+
+    def _place(self, direction: NDArray) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return how many rows down and columns to the right directions are, in texels."""
+        rows, columns, _ = self.radiance.shape
+        x, y, z = np.moveaxis(np.asarray(direction, dtype=float), -1, 0)
+        down = np.arccos(np.clip(y, -1.0, 1.0)) * (rows / np.pi)
+        return down, (np.arctan2(x, -z) + np.pi) * (columns / (2 * np.pi))
 
     def pdf(self, direction: NDArray) -> NDArray[np.float64]:
         """Probability density with which `sample` draws the given directions.
