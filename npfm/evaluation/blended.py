@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
-from npfm.fitting.basis.curves import Basis, coefficients, reconstruct
+from npfm.fitting.basis.curves import Basis, coefficients, log_factors, reconstruct
 from npfm.fitting.channels import as_table
 from npfm.fitting.factors.microfacet import G_NODES, G_THETA, elevations, tabulate_channel
 from npfm.fitting.fits import Fit, load
@@ -111,12 +111,10 @@ def palette(paths: Sequence[str]) -> Palette:
     given = {
         name: np.stack([fit.parameters[name].astype(float) for fit in fits]) for name in PARAMETERS
     }
-    logs, strength = {}, np.maximum(given["rho_s"], 0)
+    logs = {name: log_factors(given[name], FLOOR) for name in FACTORS}
+    strength = np.maximum(given["rho_s"], 0)
     for name in FACTORS:
-        top = given[name].max(axis=-1)
-        shares = given[name] / np.where(top > 0, top, 1)[..., None]
-        logs[name] = np.log(np.maximum(shares, FLOOR))
-        strength = strength * np.maximum(top, 0) ** (2 if name == "G" else 1)
+        strength = strength * np.maximum(given[name].max(axis=-1), 0) ** (2 if name == "G" else 1)
     log_rho_s = np.log(np.maximum(strength, NOTHING))
     return Palette(logs, log_rho_s, np.maximum(given["rho_d"], 0), grid)
 
