@@ -1,13 +1,20 @@
 """What benchmarks read and conclude; what they measure is not a test."""
 
 import json
+import shutil
 import subprocess
 import sys
 from base64 import urlsafe_b64encode
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
+
+from npfm.errors import NpfmError
+from npfm.reflectance import microsurfaces
+from npfm.reflectance.half_difference import MERL, HalfDifference
+from npfm.reflectance.table import Table
 
 ROOT = Path(__file__).parents[1]
 
@@ -112,3 +119,113 @@ def test_fits_of_two_runs_are_compared_byte_by_byte(tmp_path):
         "naive: 1 equal; different: naive/b",
     ]
     assert subprocess.run([*call[:3], call[2]], capture_output=True).returncode == 0
+
+
+@pytest.fixture
+def ggx_header(tmp_path):
+    """Names of the authors' header, for a GGX surface of alpha 0.3 whatever the table."""
+    path = tmp_path / "theirs.h"
+    path.write_text(r"""
+#include <cmath>
+#include <vector>
+namespace djb {
+typedef float float_t;
+struct vec3 {
+    float x, y, z;
+    vec3(float theta, float phi) : x(std::sin(theta) * std::cos(phi)), y(0), z(std::cos(theta)) {}
+    vec3(float x, float y, float z) : x(x), y(y), z(z) {}
+};
+struct merl { merl(const char *) {} };
+struct tabular {
+    std::vector<float> slopes;
+    tabular(const merl&, int count) {
+        for (int k = 0; k < count; ++k) {
+            const double root = k / (count - 1.0), slope = std::tan(root * root * std::acos(0.0));
+            slopes.push_back(k < count - 1 ? std::pow(1 + slope * slope / 0.09, -2.0) : 0);
+        }
+        DJB_LOG("djb_verbose: Slope PDF norm. constant = %.9f\n", 1.0);
+        DJB_LOG("djb_verbose: Fresnel function ready\n");
+    }
+    const std::vector<float>& get_p22v() const { return slopes; }
+    float ndf(const vec3& h) const { return std::pow(1 - 0.91 * h.z * h.z, -2); }
+    vec3 fresnel(float cosine) const { return vec3(cosine, cosine / 2, 1); }
+};
+}
+""")
+    return path
+
+
+@pytest.mark.skipif(shutil.which("c++") is None, reason="no C++ compiler is on the PATH")
+def test_the_program_of_the_papers_authors_is_asked_and_understood(ggx_header, tmp_path):
+    import power_iterations as benchmark
+
+    with benchmark.Authors(benchmark.compiled(ggx_header, tmp_path), "any.binary") as authors:
+        first, second = authors(), authors()
+    np.testing.assert_array_equal(first.D, second.D)
+    assert 0 <= first.seconds[0] <= first.seconds[1] <= first.seconds[2]
+    D = microsurfaces.ggx(np.cos(MERL.theta_h), 0.3)
+    np.testing.assert_allclose(first.D / first.D[0], D / D[0], rtol=1e-3)
+    there = microsurfaces.ggx(np.cos((np.arange(89) / 89) ** 2 * np.pi / 2), 0.3)
+    np.testing.assert_allclose(first.samples[:-1], there / there[0], rtol=1e-3)
+    assert first.samples[-1] == 0
+    cosine = np.cos(MERL.theta_d)
+    np.testing.assert_allclose(first.F, [cosine, cosine / 2, np.ones(90)], rtol=1e-5)
+
+
+@pytest.mark.skipif(shutil.which("c++") is None, reason="no C++ compiler is on the PATH")
+def test_another_header_than_the_papers_authors_is_one_line(tmp_path):
+    header = tmp_path / "other.h"
+    header.write_text("namespace djb {}\n")
+    call = [sys.executable, ROOT / "benchmarks/power_iterations.py", header, "any.binary"]
+    done = subprocess.run(call, capture_output=True, text=True)
+    assert done.returncode == 1
+    [line] = done.stderr.splitlines()
+    assert line.startswith(f"power_iterations: {header}: not compiled (")
+
+
+def test_neither_header_nor_compiler_is_one_line(ggx_header, tmp_path, monkeypatch):
+    import power_iterations as benchmark
+
+    with pytest.raises(NpfmError, match=r"none\.h: No such file"):
+        benchmark.compiled(tmp_path / "none.h", tmp_path)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(NpfmError, match="no C\\+\\+ compiler"):
+        benchmark.compiled(ggx_header, tmp_path)
+
+
+def test_distributions_and_fresnel_factors_are_compared_whatever_their_scale():
+    import power_iterations as benchmark
+
+    low, high = np.zeros((2, 90))
+    low[3], high[40] = 1, 1
+    assert benchmark.moved(low, 5 * low) == pytest.approx(0, abs=1e-12)
+    assert benchmark.moved(low, high) == pytest.approx(1)
+    F = np.full((3, 90), 0.5)
+    # Beyond 1, and beyond the theta_d that is compared, it does not matter how far.
+    other = np.where(np.arange(90) < 80, F, 7.0)
+    assert benchmark.unlike(F, other) == 0
+    assert benchmark.unlike(F, F + 9) == pytest.approx(1)
+
+
+def test_a_table_is_read_as_the_papers_authors_read_it():
+    import power_iterations as benchmark
+
+    values = np.zeros((3, 90, 2, 4))
+    values[:, :, 0, 0] = np.arange(1, 91)
+    values[:, :, 1] = 1
+    values[0, 7, 1, 2] = -1
+    read = benchmark.as_they_read(Table(values, HalfDifference(90, 2, 4))).values
+    expected = np.append(np.ones(5), np.arange(6, 91))
+    np.testing.assert_allclose(read[:, :, 0], np.tile(expected[:, None], (3, 1, 4)))
+    assert read[:, 7, 1].tolist() == [[1, 1, -1, 1]] * 3
+
+
+def test_our_fit_has_the_seconds_of_its_parts():
+    import power_iterations as benchmark
+
+    grid = HalfDifference(10, 10, 12)
+    surface = microsurfaces.ggx(np.cos(grid.theta_h), 0.3)[:, None, None]
+    table = Table(np.tile(np.where(grid.above_horizon, surface, -1.0), (3, 1, 1, 1)), grid)
+    made = benchmark.ours(table, benchmark.folded(table), {"kernel": "paper", "fresnel": "mean"})
+    assert 0 < made.seconds[1] < made.seconds[2]
+    assert made.D.shape == (10,) and made.F.shape == (3, 10)
