@@ -42,7 +42,7 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("run", type=Path, help="folder of a run")
-    parser.add_argument("names", nargs=3, metavar=("scene", "material", "variant"))
+    parser.add_argument("names", nargs=3, metavar="name", help="scene, material and variant")
     arguments = parser.parse_args()
     costs = {
         "import of FLIP": seconds(flip, 1),
