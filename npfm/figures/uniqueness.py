@@ -98,6 +98,7 @@ def _draw_distances(ax: Axes, table: pd.DataFrame, name: str) -> None:
         look: dict[str, Any] = {"xytext": (-3 if left else 3, 2), "ha": "right" if left else "left"}
         ax.annotate(row["material"], place, textcoords="offset points", fontsize=5, **look)
     ax.set(yscale="log", title=name, xlim=(0, None))
+    ax.margins(y=0.12)  # for the names
     ax.set_xlabel("second singular value of B over the first")
     ax.grid(True)
     ax.set_axisbelow(True)
