@@ -19,6 +19,7 @@ from npfm.fitting.basis import library
 from npfm.fitting.basis.fit import fit_table
 from npfm.fitting.basis.library import LIBRARY, Library
 from npfm.fitting.fits import Fit
+from npfm.fitting.objective import Objective
 from npfm.fitting.solvers import gauss_newton
 from npfm.reflectance.table import Table
 from npfm.reflectance.table_files import read_table
@@ -125,7 +126,7 @@ def _fitted(a: argparse.Namespace) -> Fit:
 def _measured(a: argparse.Namespace) -> pd.DataFrame:
     measured = read_table(a.table)
     others = _others(a, measured)
-    own = _own(a.fit, others)
+    own = _own(a.fit, others, objective(a))
     solve = partial(gauss_newton.solve, settings=solver(a))
     ways = study.ways(measured, own, others, a.curves, objective(a), solve)
     made = study.measure(measured, ways, _scenes(a), registry.model(others.model).tabulate)
@@ -133,10 +134,13 @@ def _measured(a: argparse.Namespace) -> pd.DataFrame:
     return made.assign(**names)[list(study.MEASURED)]
 
 
-def _own(path: str, others: Library) -> study.Own:
+def _own(path: str, others: Library, given: Objective) -> study.Own:
     fit = fits.load(path)
-    if fit.model != others.model or fit.grid != others.grid:
-        raise NpfmError(f"{path}: a fit of '{fit.model}' on {fit.grid.name}, not of the factors'")
+    if library.gather({path: fit}, given).form != others.form:
+        raise NpfmError(
+            f"{path}: a fit of another model, settings or grid than those that the factors are of; "
+            "give one that was made as they were"
+        )
     channels = fits.load_record(path)["channels"]
     objectives = [channel.objective for channel in channels]
     seconds = sum(channel.seconds for channel in channels)

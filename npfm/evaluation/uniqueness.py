@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.evaluation import tables
-from npfm.fitting.basis.lobes import Cells, Lobes, cells, lobes_of, seen_by, speculars
+from npfm.fitting.basis.lobes import Cells, Lobes, cells, checked_lobes, seen_by, speculars
 from npfm.fitting.fits import Fit
 from npfm.fitting.iterations import FACTORS, Iterations
 from npfm.fitting.objective import Objective
@@ -146,13 +146,16 @@ def measure(fit: Fit, found: Iterations, bivariate: Fit, objective: Objective) -
     Raises
     ------
     NpfmError
-        If the fits are on different grids, or the record is of another grid.
+        If the fits are on different grids, or the record is of another grid, or a fit has arrays
+        that are not those of its model.
     """
-    sizes = fit.grid.theta_h_bins, fit.grid.theta_d_bins
+    sizes, plane = fit.grid.shape[:2], bivariate.parameters["B"]
     if bivariate.grid != fit.grid or (found.D.shape[1], found.F.shape[1]) != sizes:
         raise NpfmError("the fits and the record of iterations are not of one table")
+    if plane.shape != (len(CHANNELS), *sizes):
+        raise NpfmError(f"the fit of bivariate has a B of shape {plane.shape}; fit it again")
     at, rows = cells(fit.grid, objective), []
-    groups = lobes_of(fit.parameters)
+    groups = checked_lobes(fit)
     for channel, (name, lobes) in enumerate(zip(CHANNELS, groups, strict=True)):
         states = near(found, channel)
         logs = [
@@ -162,7 +165,7 @@ def measure(fit: Fit, found: Iterations, bivariate: Fit, objective: Objective) -
         apart = [distance(lobes, at, logs[0], other) for other in logs[1:]]
         most = {key: max((each[key] for each in apart), default=0.0) for key in CHANNEL[5:10]}
         reached = found.objective[states]
-        B = bivariate.parameters["B"][channel].astype(float)
+        B = plane[channel].astype(float)
         rows.append(
             {
                 "channel": name,

@@ -5,12 +5,17 @@ from functools import partial
 import numpy as np
 import pandas as pd
 import pytest
-from lobed import GRID, many
+from lobed import GRID, lobes, many
 
+from npfm.commands.basis import _own
+from npfm.errors import NpfmError
 from npfm.evaluation import basis as study
 from npfm.evaluation import tables
 from npfm.evaluation.metrics import psnr
+from npfm.fitting import fits
 from npfm.fitting.basis import library
+from npfm.fitting.basis.lobes import parameters_of
+from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective, channel_samples, evaluate
 from npfm.fitting.registry import model as module_of
 from npfm.fitting.solvers import gauss_newton
@@ -28,12 +33,12 @@ COUNTS = [3, 1]
 @pytest.fixture(scope="module", params=["independent-g", "shared-lobes"])
 def found(request):
     """A material, its own fit, the ways to its factors, and the table of a scene."""
-    fits, module = many(request.param), module_of(request.param)
-    exact = module.tabulate(fits["m1"])
+    made, module = many(request.param), module_of(request.param)
+    exact = module.tabulate(made["m1"])
     noise = 1 + 0.05 * np.random.default_rng(2).standard_normal(exact.values.shape)
     measured = Table(np.where(exact.values < 0, -1, exact.values * noise), GRID)
-    others = library.gather(fits, Objective()).without("m1")
-    own = study.Own(fits["m1"], 0.01, 2.5)
+    others = library.gather(made, Objective()).without("m1")
+    own = study.Own(made["m1"], 0.01, 2.5)
     ways = study.ways(measured, own, others, COUNTS, Objective(), SOLVE)
     light = Environment(np.random.default_rng(1).uniform(0.1, 1, (4, 8, 3)))
     matrix = assembly.build(Scene(("sphere",)), light, GRID, 8, 64, 1)
@@ -80,11 +85,11 @@ def test_what_is_fitted_is_no_worse_than_what_is_laid_into_the_curves(found):
 
 
 def test_no_more_curves_than_other_materials_make():
-    fits = many("independent-g")
-    measured = module_of("independent-g").tabulate(fits["m1"])
-    alike = dict.fromkeys(("a", "b", "c"), fits["m2"])
-    for few, counts in ((alike, [0]), ({k: fits[k] for k in ("m2", "m3", "m4")}, [1, 2])):
-        others, own = library.gather(few, Objective()), study.Own(fits["m1"], 0.01, 1.0)
+    made = many("independent-g")
+    measured = module_of("independent-g").tabulate(made["m1"])
+    alike = dict.fromkeys(("a", "b", "c"), made["m2"])
+    for few, counts in ((alike, [0]), ({k: made[k] for k in ("m2", "m3", "m4")}, [1, 2])):
+        others, own = library.gather(few, Objective()), study.Own(made["m1"], 0.01, 1.0)
         ways = study.ways(measured, own, others, [1, 7], Objective(), SOLVE)
         assert [way.curves for way in ways[1::2]] == counts
         assert all(np.isfinite(way.objective) for way in ways)
@@ -101,6 +106,17 @@ def test_pictures_are_those_of_the_fits(found):
         made = module_of(others.model).tabulate(way.fit).where_measured(measured)
         expected = psnr(render(matrix, made)[..., :3], reference, matrix.foreground)
         assert level == pytest.approx(expected, abs=1e-2)
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_a_fit_with_other_settings_than_those_of_the_basis_is_refused(tmp_path, shared):
+    others = library.gather(many("shared-lobes"), Objective())
+    groups = [lobes(0.2, 1, 0.5, 3, 3)] if shared else [lobes(0.2, 1, 0.5, 1, 2)] * 3
+    arrays = parameters_of(groups, False)
+    fit = Fit("shared-lobes", {k: v.astype(np.float32) for k, v in arrays.items()}, GRID)
+    fits.save(tmp_path / "own.npz", fit)
+    with pytest.raises(NpfmError, match=r"own.npz: a fit of another model, settings or grid"):
+        _own(str(tmp_path / "own.npz"), others, Objective())
 
 
 def rows(material, free, fitted, levels):

@@ -115,6 +115,15 @@ def test_fits_of_other_tables_are_refused():
         study.measure(FIT, record(STEPS), small, Objective())
 
 
+def test_arrays_of_another_shape_are_refused():
+    flat = Fit("bivariate", {"B": np.ones((3, 18, 1), np.float32)}, GRID)
+    with pytest.raises(NpfmError, match=r"B of shape \(3, 18, 1\)"):
+        study.measure(FIT, record(STEPS), flat, Objective())
+    narrow = Fit(FIT.model, FIT.parameters | {"F": np.ones((3, 4), np.float32)}, GRID)
+    with pytest.raises(NpfmError, match="are not those of independent-g"):
+        study.measure(narrow, record(STEPS), plane(), Objective())
+
+
 def test_the_summary_counts_and_correlates(tmp_path):
     distances = [0.0, 0.05, 0.2, 0.4]
     rows = [

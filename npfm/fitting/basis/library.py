@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 
 from npfm.errors import NpfmError
 from npfm.fitting.basis.curves import Basis, basis_of, log_factors
-from npfm.fitting.basis.lobes import FACTORS, cells, lobes_of, seen_by
+from npfm.fitting.basis.lobes import (
+    FACTORS,
+    MODELS,
+    MOST_LOBES,
+    Lobes,
+    cells,
+    checked_lobes,
+    seen_by,
+)
 from npfm.fitting.factors.microfacet import G_NODES
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective
@@ -24,8 +32,6 @@ FORMAT = "npfm-factors-1"
 LIBRARY = Kind(
     "factors of many fits", ".npz", marked(b"factors.npy", b"material.npy", b"seen_D.npy")
 )
-#: Models whose fits have factors that a basis is made of.
-MODELS = ("independent-g", "shared-lobes")
 #: Curves of fewer materials say next to nothing of another one.
 FEWEST = 3
 #: A thousand materials have six million bytes.
@@ -76,6 +82,11 @@ class Library:
     def channels(self) -> int:
         """How many channels share the lobes of a group: 1 or 3."""
         return self.logs["F"].shape[1]
+
+    @property
+    def form(self) -> tuple[str, HalfDifference, bool, int, int]:
+        """What fits have to have in common with those that it is of."""
+        return self.model, self.grid, self.spline, self.lobes, self.channels
 
     def unknowns(self, count: int) -> int:
         """How many numbers a material has in a basis of so many curves, coefficients and rho."""
@@ -137,7 +148,8 @@ def gather(fits: Mapping[str, Fit], objective: Objective) -> Library:
     Raises
     ------
     NpfmError
-        If they are of different models, settings or grids, or of others.
+        If they are of different models, settings or grids, or of others, or have arrays that are
+        not those of their model.
     """
     first = next(iter(fits.values()))
     spline = "spline" in first.parameters
@@ -152,7 +164,7 @@ def gather(fits: Mapping[str, Fit], objective: Objective) -> Library:
     at = cells(first.grid, objective, spline)
     names, found = [], []
     for name, fit in fits.items():
-        for lobes in lobes_of(fit.parameters):
+        for lobes in _lobes(name, fit):
             names.append(name)
             found.append((lobes, seen_by(lobes, at)))
     logs = {
@@ -160,6 +172,13 @@ def gather(fits: Mapping[str, Fit], objective: Objective) -> Library:
     }
     seen = {name: np.stack([getattr(each, name) for _, each in found]) for name in FACTORS}
     return Library(first.model, first.grid, spline, tuple(names), logs, seen)
+
+
+def _lobes(name: str, fit: Fit) -> list[Lobes]:
+    try:
+        return checked_lobes(fit)
+    except NpfmError as error:
+        raise NpfmError(f"{name}: {error}") from error
 
 
 def _form(fit: Fit) -> tuple:
@@ -228,10 +247,15 @@ def _check(found: Library) -> None:
     groups, lobes, channels = len(found.materials), found.lobes, found.channels
     if found.model not in MODELS or channels not in (1, len(CHANNELS)):
         raise ValueError(f"of {channels} channels of '{found.model}'")
+    if lobes > (1 if found.single else MOST_LOBES) or (found.single and channels > 1):
+        raise ValueError(f"of {lobes} lobes that {channels} channels share, by {found.model}")
     sizes = found.grid.theta_h_bins, found.grid.theta_d_bins, G_NODES
     for name, rows, size in zip(FACTORS, (lobes, channels, lobes), sizes, strict=True):
         for array in (found.logs[name], found.seen[name]):
             if array.shape != (groups, rows, size) or not np.isfinite(array).all():
                 raise ValueError(f"{name} is of shape {array.shape} or not finite")
+        # As `log_factors` makes them, rounded to float32.
+        if found.logs[name].max() > 0 or found.logs[name].min() < np.log(CLAMP) - 1e-4:
+            raise ValueError(f"logarithms of {name} are not from {np.log(CLAMP):.1f} to 0")
         if found.seen[name].min() < 0:
             raise ValueError(f"what is seen of {name} is negative")

@@ -10,6 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from npfm.errors import NpfmError
+from npfm.fitting.factors.microfacet import G_NODES
+from npfm.fitting.fits import Fit
 from npfm.fitting.objective import (
     VOLUME_FORM,
     Objective,
@@ -22,10 +25,15 @@ from npfm.fitting.objective import (
 )
 from npfm.fitting.shared_lobes.places import Places, places
 from npfm.reflectance.half_difference import HalfDifference
+from npfm.reflectance.table import CHANNELS
 
 Array = NDArray[np.float64]
 
 FACTORS = ("D", "F", "G")
+#: Models whose fits have factors that a basis is made of: of one lobe a channel, and of several.
+MODELS = ("independent-g", "shared-lobes")
+#: As many as `npfm.models.shared_lobes` takes.
+MOST_LOBES = 5
 #: About so many bins of phi_d tell what the samples see, of the 90 of a folded table.
 SEEN_BINS = 5
 
@@ -45,6 +53,34 @@ class Lobes:
     G: Array
     rho_s: Array
     rho_d: Array
+
+
+def checked_lobes(fit: Fit) -> list[Lobes]:
+    """Return `lobes_of` a fit of one of `MODELS`, on a half-difference grid, out of a file.
+
+    Raises
+    ------
+    NpfmError
+        If its arrays are not those of its model.
+    """
+    theta_h, theta_d, _ = fit.grid.shape
+    shapes = {name: fit.parameters[name].shape for name in (*FACTORS, "rho_s", "rho_d")}
+    channels, *lobes = shapes["D"][:-1] or (0,)
+    wanted = {
+        "D": (channels, *lobes, theta_h),
+        "F": (len(CHANNELS), theta_d),
+        "G": (channels, *lobes, G_NODES),
+        "rho_s": (len(CHANNELS), *lobes),
+        "rho_d": (len(CHANNELS),),
+    }
+    if fit.model == MODELS[0]:
+        known = channels == len(CHANNELS) and not lobes
+    else:
+        known = channels in (1, len(CHANNELS)) and len(lobes) == 1 and lobes[0] <= MOST_LOBES
+    if shapes != wanted or not known:
+        there = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise NpfmError(f"its arrays ({there}) are not those of {fit.model}; fit it again")
+    return lobes_of(fit.parameters)
 
 
 def lobes_of(parameters: Mapping[str, NDArray]) -> list[Lobes]:

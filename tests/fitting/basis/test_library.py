@@ -7,8 +7,10 @@ from lobed import GRID, fit_of, many
 from npfm.errors import NpfmError
 from npfm.fitting.basis import library
 from npfm.fitting.basis.curves import coefficients, reconstruct
+from npfm.fitting.basis.lobes import MOST_LOBES
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective
+from npfm.models import shared_lobes
 
 both = pytest.mark.parametrize("model", ["independent-g", "shared-lobes"])
 
@@ -78,6 +80,32 @@ def test_other_fits_are_refused(other, message):
 
 
 @pytest.mark.parametrize(
+    ("model", "changes"),
+    [
+        ("independent-g", {"D": np.ones((3, 17))}),
+        ("independent-g", {"D": np.ones((1, 18)), "G": np.ones((1, 90))}),
+        ("independent-g", {"D": np.ones(3)}),
+        ("independent-g", {"rho_s": np.ones((3, 2))}),
+        ("shared-lobes", {"F": np.ones((1, 18))}),
+        ("shared-lobes", {"rho_s": np.ones((3, 3))}),
+        (
+            "shared-lobes",
+            {"D": np.ones((1, 6, 18)), "G": np.ones((1, 6, 90)), "rho_s": np.ones((3, 6))},
+        ),
+    ],
+)
+def test_arrays_that_no_fit_of_the_model_has_are_told(model, changes):
+    arrays = fit_of(model, 0.3, 1, 1).parameters
+    changed = Fit(model, arrays | {k: v.astype(np.float32) for k, v in changes.items()}, GRID)
+    with pytest.raises(NpfmError, match=f"mine: its arrays .* are not those of {model}"):
+        library.gather({"mine": changed}, Objective())
+
+
+def test_no_fit_has_more_lobes_than_the_model_takes():
+    assert MOST_LOBES == shared_lobes.MOST_LOBES
+
+
+@pytest.mark.parametrize(
     ("name", "array"),
     [
         ("factors", np.array("npfm-fit-1")),
@@ -86,6 +114,9 @@ def test_other_fits_are_refused(other, message):
         ("grid", np.array([18, 18])),
         ("material", np.array(["m0"])),
         ("log_D", np.zeros((24, 18))),
+        ("log_D", np.full((24, 1, 18), 3e38)),
+        ("log_D", np.full((24, 1, 18), -99.0)),
+        ("log_D", np.zeros((24, 2, 18))),
         ("log_F", np.full((24, 1, 18), np.nan)),
         ("seen_G", np.full((24, 1, 90), -1.0)),
         ("seen_G", None),
@@ -99,3 +130,11 @@ def test_damaged_files_are_told_in_one_line(tmp_path, name, array):
     with pytest.raises(NpfmError, match="make it again with npfm basis gather") as caught:
         library.load(path)
     assert str(path) in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_factors_of_several_lobes_are_of_no_model_of_one(tmp_path):
+    path = tmp_path / "all.npz"
+    library.save(path, gathered("shared-lobes"))
+    np.savez(path, **dict(np.load(path)) | {"model": np.array("independent-g")})
+    with pytest.raises(NpfmError, match=r"of 2 lobes that 3 channels share, by independent-g"):
+        library.load(path)
