@@ -153,8 +153,11 @@ class Cells:
     def weights(self, value: Array) -> Array:
         """Weights w of equation 8 at values of the BRDF, so that the energy of these is 1."""
         weight = self.weight
-        if self.compressive and value.any():
-            weight = weight * compressive_weight(value / weighted_median(value, weight))
+        lit = np.where(value > 0, weight, 0.0)
+        if self.compressive and lit.any():
+            # The objective's unit: the median, that of what is not black where most is.
+            unit = weighted_median(value, weight) or weighted_median(value, lit)
+            weight = weight * compressive_weight(value / unit)
         return weight / (np.vdot(weight, value**2) or 1.0)
 
     def over_nodes(self, values: Array) -> Array:

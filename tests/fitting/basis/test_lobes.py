@@ -65,6 +65,19 @@ def test_a_black_channel_sees_nothing():
     assert not seen.D.any() and not seen.F.any() and not seen.G.any()
 
 
+@pytest.mark.parametrize("lit", [18, 2])
+def test_values_are_weighed_as_samples_of_a_table_are_however_dark_most_of_it_is(lit):
+    plane = np.zeros((18, 18))
+    plane[:, :lit] = np.random.default_rng(4).uniform(1, 2, (18, lit))
+    whole = np.where(GRID.above_horizon, plane[..., None], -1.0)
+    samples = channel_samples(Table(np.stack([whole] * 3), GRID), 0, Objective())
+    at = cells(GRID, Objective())
+    every = 18 // at.weight.shape[1]
+    theirs = samples.weight[..., every // 2 : 18 : every].reshape(at.weight.shape)
+    found = at.weights(np.broadcast_to(plane.reshape(-1, 1), at.weight.shape))
+    np.testing.assert_allclose(found / found.sum(), theirs / theirs.sum(), rtol=1e-6)
+
+
 def test_cells_are_weighed_as_the_objective_says():
     plain, angles = (cells(GRID, Objective(cells=name)) for name in ("volume-form", "solid-angle"))
     assert plain.weight.shape == angles.weight.shape
