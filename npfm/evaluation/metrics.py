@@ -3,9 +3,15 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from npfm.errors import NpfmError
+
 
 class NoPSNR(ValueError):
     """Pictures without a PSNR: a foreground value is not finite, or the reference is black."""
+
+
+class NoForeground(NpfmError, ValueError):
+    """Pictures none of whose pixels an object covers entirely, as those of a few pixels."""
 
 
 def psnr(picture: ArrayLike, reference: ArrayLike, foreground: ArrayLike) -> float:
@@ -30,7 +36,9 @@ def psnr(picture: ArrayLike, reference: ArrayLike, foreground: ArrayLike) -> flo
     Raises
     ------
     ValueError
-        If the shapes differ or the foreground is empty.
+        If the shapes differ.
+    NoForeground
+        If the foreground is empty.
     NoPSNR
         If a foreground value is not finite, or the foreground of the reference is black.
     """
@@ -42,7 +50,9 @@ def psnr(picture: ArrayLike, reference: ArrayLike, foreground: ArrayLike) -> flo
             f"foreground {inside.shape}"
         )
     if not inside.any():
-        raise ValueError(f"none of the {inside.size} pixels is foreground")
+        raise NoForeground(
+            f"none of the {inside.size} pixels is foreground; build the scene with more pixels"
+        )
     pixels, wanted = pixels[inside], wanted[inside]
     for name, values in (("picture", pixels), ("reference", wanted)):
         if wrong := np.count_nonzero(~np.isfinite(values)):

@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+from npfm.errors import NpfmError
 from npfm.evaluation.metrics import NoPSNR, mean_db, psnr, psnr_or_gap
 
 
@@ -79,6 +80,11 @@ def test_identical_pictures():
 def test_what_cannot_be_compared(picture, foreground, message):
     with pytest.raises(ValueError, match=message):
         psnr(picture, np.ones((4, 4, 3)), foreground)
+
+
+def test_a_picture_without_foreground_is_told_to_the_user():
+    with pytest.raises(NpfmError, match="is foreground; build the scene with more pixels"):
+        psnr_or_gap(*np.ones((2, 4, 4, 3)), np.zeros((4, 4), dtype=bool))
 
 
 def test_a_black_reference_has_no_peak():
