@@ -195,16 +195,20 @@ def summary(measured: pd.DataFrame) -> pd.DataFrame:
         Columns `SUMMARY`: bytes of one material, and of the curves that all have in common;
         median and largest seconds; objective, and its multiple of the free fit's, as geometric
         means over the materials, and the largest multiple; PSNR, mean over the scenes, then over
-        the materials, and how much less than the free fit's it is: mean and most.
+        the materials, and how much less than the free fit's it is: mean and most. Objectives of 0,
+        as of a black material, and PSNR that are not finite count in none of them.
     """
     keys = ["material", "variant", "way", "curves"]
     numbers = dict.fromkeys(MEASURED[4:9], "first")
     each = measured.groupby(keys, sort=False).agg({**numbers, "psnr_db": mean_db}).reset_index()
-    free = each[each["way"] == FREE].set_index(["material", "variant"])
+    above = each["objective"].where(each["objective"] > 0)
+    finite = each["psnr_db"].where(np.isfinite(each["psnr_db"]))
+    counted = each.assign(objective=above, psnr_db=finite)
+    free = counted[each["way"] == FREE].set_index(["material", "variant"])
     own = pd.MultiIndex.from_frame(each[["material", "variant"]])
-    times = each["objective"].to_numpy() / free["objective"].reindex(own).to_numpy()
-    lost = free["psnr_db"].reindex(own).to_numpy() - each["psnr_db"].to_numpy()
-    each = each.assign(times=times, lost=lost, logarithm=np.log(each["objective"]))
+    times = above.to_numpy() / free["objective"].reindex(own).to_numpy()
+    lost = free["psnr_db"].reindex(own).to_numpy() - finite.to_numpy()
+    each = each.assign(times=times, lost=lost, logarithm=np.log(above))
     each["log_times"] = np.log(each["times"])
     groups = each.groupby(["variant", "way", "curves"], sort=False)
     found = groups.agg(

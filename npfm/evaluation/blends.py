@@ -320,7 +320,7 @@ def half_way(
         `SECOND` are the materials alone; others are `TABLES` and those that are chosen. Of each
         there is theta_h in degrees at which the highlight has fallen to half and to a hundredth of
         its height (`reach`), and the mean radiance of the object, as a share of the mean of the two
-        materials'.
+        materials'; NaN where both are black.
     pictures : dict of str to ndarray of float32, shape (h, w, 3)
         By number of the pair and way, as in ``0/tables``.
     """
@@ -333,7 +333,8 @@ def half_way(
             (made[name],) = tabulated(way.blend(way.palette, parts), way.palette.grid)
         seen = pictures(matrix, columns(list(made.values())))
         light = seen[:, matrix.foreground].mean(axis=(1, 2))
-        brightness = light / light[:2].mean()
+        ends = light[:2].mean()
+        brightness = light / ends if ends > 0 else np.full(len(light), np.nan)
         for (name, table), picture, level in zip(made.items(), seen, brightness, strict=True):
             reached = (reach(table, part) for part in (HALF, FOOT))
             rows.append((number, names[a], names[b], name, *reached, level))

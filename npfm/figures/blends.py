@@ -84,7 +84,7 @@ def draw(costs: pd.DataFrame, between: pd.DataFrame, shown: Mapping[str, NDArray
                 ax.set_title(titles.get(way, way), pad=3, fontsize=6)
                 row = numbers.loc[way]
                 text = f"{row['half_degrees']:.2g}° {row['foot_degrees']:.2g}°"
-                if way not in titles:
+                if way not in titles and np.isfinite(row["brightness"]):
                     text += f"  {100 * row['brightness']:.0f} %"
                 corner_label(ax, text)
         figure.supxlabel(REMARK, fontsize=6)

@@ -149,3 +149,12 @@ def test_the_summary_averages_over_materials(tmp_path):
     tables.write(tmp_path / "summary.csv", found)
     again = study.read_summary(tmp_path / "summary.csv")
     pd.testing.assert_frame_equal(again, found, check_dtype=False, rtol=1e-5)
+
+
+def test_a_black_material_and_one_that_is_met_exactly_change_no_mean():
+    table = pd.DataFrame(rows("a", 0.01, 0.02, (50, 48)), columns=study.MEASURED)
+    black = pd.DataFrame(rows("black", 0.0, 0.0, (np.nan, np.nan)), columns=study.MEASURED)
+    exact = pd.DataFrame(rows("exact", 0.01, 0.02, (np.inf, np.inf)), columns=study.MEASURED)
+    alone, all_ = study.summary(table), study.summary(pd.concat([table, black, exact]))
+    pd.testing.assert_frame_equal(all_.drop(columns="materials"), alone.drop(columns="materials"))
+    assert all_["materials"].tolist() == [3, 3, 3]

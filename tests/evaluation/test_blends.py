@@ -198,6 +198,12 @@ def test_the_tables_of_costs_and_of_what_is_half_way(matrix, files, parts, tmp_p
     pd.testing.assert_series_equal(read["way"], table["way"])
 
 
+def test_half_way_between_black_materials_there_is_no_share(matrix, files):
+    black = Table(np.zeros((3, *GRID.shape)), GRID)
+    half, _ = blends.half_way(list("abcd"), matrix, [black] * 4, blends.ways(files))
+    assert half["brightness"].isna().all()
+
+
 def test_cells_without_a_measurement_are_black_in_all_ways(matrix, files):
     palette = blended.palette(files)
     (whole,) = blended.tabulated(palette.products(np.eye(4)[[0]]), GRID)
