@@ -19,6 +19,7 @@ from npfm.fitting.basis.library import Library
 from npfm.fitting.basis.lobes import lobes_of, parameters_of
 from npfm.fitting.fits import Fit
 from npfm.fitting.objective import Objective, channel_samples, fold
+from npfm.fitting.shared_lobes.problem import compiled
 from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance.table import CHANNELS, Table
 from npfm.rendering.transport import Transport, columns, pictures
@@ -99,6 +100,7 @@ def ways(
         The free fit first. Seconds are those of a material alone, its samples' preparation and
         all starts included; the curves are there before.
     """
+    compiled()
     began = time.process_time()
     samples = [fold(channel_samples(measured, k, objective)) for k in range(len(CHANNELS))]
     groups = prepare(samples, others)

@@ -19,7 +19,7 @@ from npfm.evaluation.metrics import psnr_or_gap
 from npfm.fitting import registry
 from npfm.fitting.basis import library
 from npfm.reflectance.table import CHANNELS, Table
-from npfm.rendering.products import Products, Reading, render_products
+from npfm.rendering.products import Products, Reading, compiled, render_products
 from npfm.rendering.transport import Transport, columns, pictures
 from npfm.storage.files import Kind, marked
 
@@ -193,7 +193,10 @@ def render_all(
     Returns
     -------
     dict of str to Made
+        Times are without what is compiled or imported once.
     """
+    compiled()
+    registry.tabulated(fits[0])
     made = {
         MEASURED: _of_tables(matrix, parts, lambda: measured, ""),
         TABLES: _of_tables(

@@ -7,6 +7,7 @@ that its row of the transport matrix names: the product is worked out there and 
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,6 +73,13 @@ class Reading:
         return self.node_i, self.part_i, self.node_o, self.part_o, self.inverse_cosines
 
 
+def compiled() -> ModuleType:
+    """Return `npfm.rendering.product_kernel`; who takes the time of pictures calls this before."""
+    from npfm.rendering import product_kernel
+
+    return product_kernel
+
+
 def render_products(
     matrix: Transport, at: Reading, products_of: Callable[[NDArray[np.int64]], Products]
 ) -> NDArray[np.float32]:
@@ -96,15 +104,13 @@ def render_products(
     NpfmError
         If the matrix is on another kind of grid.
     """
-    from npfm.rendering.product_kernel import radiances
-
     grid = matrix.grid
     if not isinstance(grid, HalfDifference):
         raise NpfmError(f"factors are of half-difference tables, and the scene of {grid.name}")
     picture = np.empty((*matrix.coverage.shape, 4), dtype=np.float32)
     picture[..., :3], picture[..., 3] = matrix.backdrop, matrix.coverage
     flat = picture.reshape(-1, 4)
-    seen = np.flatnonzero(np.diff(matrix.indptr))
+    seen, radiances = np.flatnonzero(np.diff(matrix.indptr)), compiled().radiances
     # A matrix that is mapped into memory is of a type of its own.
     indptr, indices, weights = map(np.asarray, (matrix.indptr, matrix.indices, matrix.weights))
     for first in range(0, len(seen), BLOCK):

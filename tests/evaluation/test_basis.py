@@ -108,6 +108,20 @@ def test_pictures_are_those_of_the_fits(found):
         assert level == pytest.approx(expected, abs=1e-2)
 
 
+def test_what_is_compiled_once_is_no_part_of_a_time(monkeypatch):
+    begun = []
+
+    def now():
+        begun.append("time")
+        raise TimeoutError
+
+    monkeypatch.setattr(study, "compiled", lambda: begun.append("compiled"))
+    monkeypatch.setattr(study.time, "process_time", now)
+    with pytest.raises(TimeoutError):
+        study.ways(None, None, None, COUNTS, Objective(), SOLVE)
+    assert begun == ["compiled", "time"]
+
+
 @pytest.mark.parametrize("shared", [True, False])
 def test_a_fit_with_other_settings_than_those_of_the_basis_is_refused(tmp_path, shared):
     others = library.gather(many("shared-lobes"), Objective())

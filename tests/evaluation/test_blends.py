@@ -198,6 +198,31 @@ def test_the_tables_of_costs_and_of_what_is_half_way(matrix, files, parts, tmp_p
     pd.testing.assert_series_equal(read["way"], table["way"])
 
 
+def test_what_is_compiled_once_is_no_part_of_a_time(monkeypatch, matrix, files, parts):
+    begun = []
+
+    def now():
+        begun.append("time")
+        return 0.0
+
+    monkeypatch.setattr(blends, "compiled", lambda: begun.append("compiled"))
+    monkeypatch.setattr(blends.registry, "tabulated", _noted(blends.registry.tabulated, begun))
+    chosen = blends.ways(files)
+    measured = [blends.registry.tabulated(file) for file in files]
+    begun.clear()
+    monkeypatch.setattr(blends.time, "process_time", now)
+    blends.render_all(matrix, parts, measured, files, chosen, [])
+    assert begun[:3] == ["compiled", "tabulated", "time"]
+
+
+def _noted(function, noted):
+    def called(*arguments):
+        noted.append(function.__name__)
+        return function(*arguments)
+
+    return called
+
+
 def test_half_way_between_black_materials_there_is_no_share(matrix, files):
     black = Table(np.zeros((3, *GRID.shape)), GRID)
     half, _ = blends.half_way(list("abcd"), matrix, [black] * 4, blends.ways(files))

@@ -16,7 +16,7 @@ from npfm.fitting.fits import Fit, Trace
 from npfm.fitting.objective import Objective, Samples
 from npfm.fitting.shared_lobes.fit import FAINTEST
 from npfm.fitting.shared_lobes.isotropic import SharedLobesProblem
-from npfm.fitting.shared_lobes.problem import CLAMP
+from npfm.fitting.shared_lobes.problem import CLAMP, compiled
 from npfm.fitting.solvers.problem import Solver
 from npfm.reflectance.table import Table
 
@@ -160,6 +160,7 @@ def fit_table(
     NpfmError
         As `npfm.fitting.channels.fit_coupled`.
     """
+    compiled()
     bases = library.bases(count)
     mark = {"spline": np.ones(1)} if library.spline else {}
 
