@@ -26,6 +26,8 @@ CODE = (
     "npfm.storage.bounds",
     "npfm.storage.pictures",
 )
+#: Formats of textures, which are all pictures: PostScript, which could be opened too, is a program.
+FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "GIF", "WEBP")
 #: What is blended as tables are.
 TABLES = "tables"
 EXAMPLE = """\
@@ -131,8 +133,10 @@ def _texture(path: str) -> np.ndarray:
     from PIL import Image
 
     try:
-        with Image.open(path) as image:
+        with Image.open(path, formats=FORMATS) as image:
             check_size(path, *image.size)
+            if image.mode[0] in "IF":  # more than 8 bits, which would be cut off and not scaled
+                raise NpfmError(f"{path}: a picture of mode {image.mode}; give one of 8 bits")
             return np.asarray(image.convert("L"), dtype=float) / 255
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
         raise NpfmError(f"{path}: cannot be read as a picture ({error}); give a PNG") from error

@@ -17,6 +17,8 @@ def test_the_verb_takes_a_picture_for_texture_and_says_what_is_wrong(tmp_path, l
         assert main(call.split()) == 0
     Image.fromarray(np.full((2, 2), 255, np.uint8)).save(tmp_path / "texture.png")
     (tmp_path / "none.png").write_text("no picture")
+    Image.fromarray(np.full((2, 2), 256, np.uint16)).save(tmp_path / "deep.png")
+    Image.new("RGB", (2, 2)).save(tmp_path / "program.eps")
     vary = f"vary {tmp_path}/scene {tmp_path}/chalk.binary {tmp_path}/metal.binary"
     white = f"{vary} --objects sphere --texture {tmp_path}/texture.png -o {tmp_path}/white.exr"
     assert main(white.split()) == 0
@@ -25,6 +27,8 @@ def test_the_verb_takes_a_picture_for_texture_and_says_what_is_wrong(tmp_path, l
     )
     wrong = {
         f"--objects sphere --texture {tmp_path}/none.png": "cannot be read as a picture",
+        f"--objects sphere --texture {tmp_path}/program.eps": "cannot be read as a picture",
+        f"--objects sphere --texture {tmp_path}/deep.png": "of mode I;16; give one of 8 bits",
         "--objects figure": "made of other objects",
     }
     for options, said in wrong.items():
