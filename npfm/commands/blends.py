@@ -14,6 +14,8 @@ from npfm.reflectance.table_files import read_table
 from npfm.rendering import scenes, textures, transport
 from npfm.storage.pictures import EXR, write_exr_parts
 
+#: Steps of weights: those of a texture of 8 bits, beyond which each texel has a table of its own.
+MOST_STEPS = 255
 #: What a digest covers beside this file (`npfm.run.provenance`).
 CODE = (
     "npfm.commands.numbers",
@@ -60,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--steps",
         nargs="*",
-        type=whole(1),
+        type=whole(1, MOST_STEPS),
         default=[],
         help="steps of weights where a table is made for each mixture instead",
     )

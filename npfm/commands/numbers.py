@@ -5,16 +5,17 @@ from collections.abc import Callable
 from typing import Any
 
 
-def whole(lowest: int) -> Callable[[str], int]:
-    """Return the type of a whole number that is not below `lowest`."""
+def whole(lowest: int, most: int | None = None) -> Callable[[str], int]:
+    """Return the type of a whole number from `lowest` to `most`, if there is a `most`."""
+    allowed = f"of {lowest} or more" if most is None else f"from {lowest} to {most}"
 
     def parse(text: str) -> int:
         try:
             number = int(text)
         except ValueError:
             number = None
-        if number is None or number < lowest:
-            raise argparse.ArgumentTypeError(f"'{text}': give a whole number of {lowest} or more")
+        if number is None or number < lowest or (most is not None and number > most):
+            raise argparse.ArgumentTypeError(f"'{text}': give a whole number {allowed}")
         return number
 
     return parse

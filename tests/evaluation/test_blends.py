@@ -2,6 +2,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from npfm.__main__ import main
 from npfm.errors import NpfmError
 from npfm.evaluation import blended, blends
 from npfm.fitting import fits
@@ -158,6 +159,12 @@ def test_weights_in_whole_steps(parts, steps):
     assert (whole.sum(axis=1) == steps).all() and (whole >= 0).all()
     assert np.abs(whole - steps * parts).max() < 1
     np.testing.assert_array_equal(blends.whole_steps(whole / steps, steps), whole)
+
+
+@pytest.mark.parametrize("steps", ["0", "256", "9" * 30])
+def test_more_steps_than_a_texture_has_are_refused(capsys, steps):
+    assert main(["blends", "scene", "--steps", steps]) == 1
+    assert f"'{steps}': give a whole number from 1 to 255" in capsys.readouterr().err
 
 
 def test_a_table_for_each_mixture_is_exact_where_weights_are_whole_steps(matrix, files, parts):
