@@ -172,15 +172,22 @@ def measure(
 
 
 def read(paths: Sequence[str]) -> pd.DataFrame:
-    """Read what `measure` found of several materials; errors are those of `tables.read`."""
+    """Read what `measure` found of several materials; errors are those of `read_summary`."""
     numbers = [name for name in MEASURED if name not in TEXT]
-    found = [tables.read(path, TEXT, numbers)[list(MEASURED)] for path in paths]
+    found = [_read(path, TEXT, numbers)[list(MEASURED)] for path in paths]
     return pd.concat(found, ignore_index=True)
 
 
 def read_summary(path: str) -> pd.DataFrame:
-    """Read a table of `summary`; errors are those of `tables.read`."""
-    return tables.read(path, SUMMARY[:2], SUMMARY[2:])
+    """Read a table of `summary`; errors are those of `tables.read`, or of a way that is none."""
+    return _read(path, SUMMARY[:2], SUMMARY[2:])
+
+
+def _read(path: str, text: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
+    table = tables.read(path, text, numbers)
+    tables.check(path, table, "way", (FITTED, PROJECTED, FREE))
+    tables.check_finite(path, table, ["curves"])
+    return table
 
 
 def summary(measured: pd.DataFrame) -> pd.DataFrame:

@@ -74,6 +74,34 @@ def read(
     return table
 
 
+def check(path: str | Path, table: pd.DataFrame, column: str, known: Sequence[str]) -> None:
+    """Refuse a table with another word in a column than those that are known.
+
+    Raises
+    ------
+    NpfmError
+        Naming the first.
+    """
+    wrong = table.loc[~table[column].isin(known), column]
+    if not wrong.empty:
+        raise NpfmError(
+            f"{path}: the {column} '{wrong.iloc[0]}' is none of {', '.join(known)}; make it again"
+        )
+
+
+def check_finite(path: str | Path, table: pd.DataFrame, columns: Sequence[str]) -> None:
+    """Refuse a table with a number missing or infinite in one of some columns.
+
+    Raises
+    ------
+    NpfmError
+        Naming the first of the columns.
+    """
+    for column in columns:
+        if not np.isfinite(table[column]).all():
+            raise NpfmError(f"{path}: no number in the column {column}; make it again")
+
+
 def _check_rows(path: str | Path) -> None:
     """Raise ValueError for a file that is cut off: pandas would fill it up in silence."""
     content = Path(path).read_text(encoding="utf-8")

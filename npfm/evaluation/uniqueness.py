@@ -182,8 +182,18 @@ def measure(fit: Fit, found: Iterations, bivariate: Fit, objective: Objective) -
 
 
 def read(paths: Sequence[str]) -> pd.DataFrame:
-    """Read what `measure` found of several materials; errors are those of `tables.read`."""
-    found = [tables.read(path, CHANNEL[:2], CHANNEL[2:]) for path in paths]
+    """Read what `measure` found of several materials.
+
+    Raises
+    ------
+    NpfmError
+        As of `tables.read`, or if a channel is none, or a distance or ratio is missing.
+    """
+    found = []
+    for path in paths:
+        found.append(tables.read(path, CHANNEL[:2], CHANNEL[2:]))
+        tables.check(path, found[-1], "channel", CHANNELS)
+        tables.check_finite(path, found[-1], CHANNEL[5:11])
     return pd.concat(found, ignore_index=True)
 
 

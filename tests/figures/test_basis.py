@@ -102,3 +102,24 @@ def test_the_verbs_draw_the_same_twice(tmp_path, capsys):
     call = [*words, "--iterations", f"{tmp_path}/all.npz", "-o", f"{tmp_path}/c.png"]
     assert main(call) == 1
     assert "no record of silk among --iterations" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("name", "column", "value", "said"),
+    [
+        ("basis", "way", "thrown", "the way 'thrown' is none of fitted, projected, free"),
+        ("basis", "curves", np.nan, "no number in the column curves"),
+        ("uniqueness", "channel", "mauve", "the channel 'mauve' is none of red, green, blue"),
+        ("uniqueness", "F", np.nan, "no number in the column F"),
+    ],
+)
+def test_tables_of_something_else_are_told_in_one_line(tmp_path, capsys, name, column, value, said):
+    table = summary() if name == "basis" else channels()
+    table = table.astype({column: object})
+    table.loc[1, column] = value
+    tables.write(tmp_path / "wrong.csv", table)
+    words = ["figure", name, "--table", f"{tmp_path}/wrong.csv"]
+    words += [] if name == "basis" else ["--iterations", f"{tmp_path}/silk.npz"]
+    assert main([*words, "-o", f"{tmp_path}/a.png"]) == 1
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1 and f"wrong.csv: {said}" in error
