@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
 
 from npfm.errors import NpfmError
 from npfm.reflectance.table import Table
@@ -138,7 +139,7 @@ def shares(texture: NDArray, places: NDArray, count: int) -> Array:
     Returns
     -------
     ndarray, shape (count, h, w)
-        Between two neighbours, adding up to 1. Where there is no object all is of the first.
+        Between two neighbours, adding up to 1; where there is no object, as in `shares_of_weights`.
     """
     return shares_of_weights(_between(texture, count), places)
 
@@ -156,13 +157,20 @@ def shares_of_weights(weights: NDArray, places: NDArray) -> Array:
     Returns
     -------
     ndarray, shape (count, h, w)
-        Where there is no object all is of the first.
+        Where there is no object, as at the nearest pixel with one: objects that miss the middle of
+        a pixel may cover a part of it.
     """
-    u, v = np.moveaxis(np.nan_to_num(places), -1, 0)
-    rows, columns, count = weights.shape
+    u, v = np.moveaxis(_filled(places), -1, 0)
+    rows, columns, _ = weights.shape
     found = weights[(v * rows).astype(int), (u * columns).astype(int)]
-    found = np.where(np.isnan(places[..., :1]), np.eye(count)[0], found)
     return np.moveaxis(found, -1, 0)
+
+
+def _filled(places: NDArray) -> Array:
+    """Places without a gap: there, those of the nearest pixel that has one, and 0 if none has."""
+    gaps = np.isnan(places[..., 0])
+    beside = distance_transform_edt(gaps, return_distances=False, return_indices=True)
+    return np.nan_to_num(places[tuple(beside)])
 
 
 def _between(value: NDArray, count: int) -> Array:

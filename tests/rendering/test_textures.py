@@ -60,6 +60,22 @@ def test_black_is_the_first_and_white_the_last(matrix, places):
         np.testing.assert_allclose(found, transport.render(matrix, table), rtol=1e-5)
 
 
+def test_an_edge_whose_pixels_are_covered_in_part_has_the_material_beside_it(places):
+    light = Environment(np.random.default_rng(2).uniform(0, 1, (8, 16, 3)))
+    smooth = assembly.build(Scene(("sphere",), ("antialiasing",)), light, GRID, RESOLUTION, 64, 1)
+    assert ((smooth.coverage > 0) & np.isnan(places[..., 0])).any()
+    first, second = flat(0.1, 0.4)
+    found = textures.render_varying(
+        smooth, [first, second], textures.shares(np.ones((4, 4)), places, 2)
+    )
+    np.testing.assert_allclose(found, transport.render(smooth, second), rtol=1e-5)
+
+
+def test_where_there_is_no_object_at_all_there_are_shares():
+    parts = textures.shares(textures.own_texture(), np.full((3, 3, 2), np.nan), 3)
+    np.testing.assert_allclose(parts.sum(axis=0), 1)
+
+
 def test_weights_are_read_off_bands():
     grey = np.array([[[0.0], [0.5], [1.0]]])
     between = textures.weights_of(grey)
