@@ -92,7 +92,11 @@ def run(arguments: argparse.Namespace) -> None:
     else:
         picture = _blended(arguments, matrix, parts.reshape(len(parts), -1).T)
     pictures.write_exr(arguments.output, picture)
-    png = pictures.tone_map(picture[..., :3], arguments.exposure, arguments.gamma)
+    layers = [
+        (picture[..., :3] - matrix.backdrop, matrix.coverage),
+        (matrix.backdrop, 1 - matrix.coverage),
+    ]
+    png = pictures.tone_map_layers(layers, arguments.exposure, arguments.gamma)
     pictures.write_png(Path(arguments.output).with_suffix(".png"), png)
 
 

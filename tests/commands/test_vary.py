@@ -2,7 +2,7 @@ import numpy as np
 from PIL import Image
 
 from npfm.__main__ import main
-from npfm.storage.pictures import read_exr
+from npfm.storage.pictures import read_exr, read_png
 
 
 def test_the_verb_takes_a_picture_for_texture_and_says_what_is_wrong(tmp_path, light_file, capsys):
@@ -10,8 +10,8 @@ def test_the_verb_takes_a_picture_for_texture_and_says_what_is_wrong(tmp_path, l
         f"material --synthetic chalk -o {tmp_path}/chalk.binary",
         f"material --synthetic mirror-metal -o {tmp_path}/metal.binary",
         f"scene --light {light_file} --objects sphere --resolution 12 --samples 64"
-        f" -o {tmp_path}/scene",
-        f"render {tmp_path}/scene {tmp_path}/metal.binary -o {tmp_path}/metal.exr",
+        f" --effects antialiasing -o {tmp_path}/scene",
+        f"render {tmp_path}/scene {tmp_path}/metal.binary --exposure 9 -o {tmp_path}/metal.exr",
     ]
     for call in calls:
         assert main(call.split()) == 0
@@ -20,8 +20,10 @@ def test_the_verb_takes_a_picture_for_texture_and_says_what_is_wrong(tmp_path, l
     Image.fromarray(np.full((2, 2), 256, np.uint16)).save(tmp_path / "deep.png")
     Image.new("RGB", (2, 2)).save(tmp_path / "program.eps")
     vary = f"vary {tmp_path}/scene {tmp_path}/chalk.binary {tmp_path}/metal.binary"
-    white = f"{vary} --objects sphere --texture {tmp_path}/texture.png -o {tmp_path}/white.exr"
-    assert main(white.split()) == 0
+    white = f"{vary} --objects sphere --texture {tmp_path}/texture.png --exposure 9"
+    assert main(f"{white} -o {tmp_path}/white.exr".split()) == 0
+    shown = [read_png(tmp_path / f"{name}.png").astype(int) for name in ("white", "metal")]
+    assert np.abs(shown[0] - shown[1]).max() <= 1
     np.testing.assert_allclose(
         read_exr(tmp_path / "white.exr"), read_exr(tmp_path / "metal.exr"), rtol=1e-5, atol=1e-6
     )
