@@ -212,11 +212,13 @@ def _gain_by_weight(
     """
     by_fit = _weighting(evidence).groupby(["material", "variant"])["psnr_db"]
     means = by_fit.agg(mean_db).unstack()
-    weighted = means.columns.intersection([f"{model}-to-{max_angle}-weighted", model])
+    weighted = [
+        name for name in (f"{model}-to-{max_angle}-weighted", model) if name in means.columns
+    ]
     without = f"{model}-to-{max_angle}-unweighted"
     if not materials:
         raise Untestable("the run has too few materials with and without the compressive weight")
-    if weighted.empty or without not in means:
+    if not weighted or without not in means:
         raise Untestable(f"the run has no {model} with and without the compressive weight")
     gain = (means[weighted[0]] - means[without]).reindex(list(materials)).dropna()
     if gain.empty:

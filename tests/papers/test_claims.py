@@ -210,6 +210,14 @@ def test_every_claim_is_judged_on_a_run_that_has_everything():
     assert sum(verdict == page.HOLDS for _, verdict, _ in verdicts.values()) > 20
 
 
+def test_fits_of_few_angles_are_compared_with_fits_of_the_same_angles():
+    """Not with those of the run, which use more."""
+    pairs = {"independent-g": 60.0, "independent-g-to-89-unweighted": 1.0}
+    pairs |= {"independent-g-to-80-weighted": 50.0, "independent-g-to-80-unweighted": 40.0}
+    finding = measures.weighting_restricted(evidence({"naive": 1.0}, weighting=long_table(pairs)))
+    assert finding.ours.startswith("+10.0 dB")
+
+
 def test_pictures_without_a_psnr_or_equal_to_the_measurement_leave_claims_testable():
     """A black material, and one that some model meets exactly."""
     odd = {"chrome": float("nan"), "nylon": float("inf")}
