@@ -5,9 +5,14 @@ code that its job runs: the entry modules and whatever they import inside `npfm`
 """
 
 import ast
+import atexit
 import hashlib
 import importlib.metadata
+import json
+import secrets
+import sys
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from itertools import groupby
@@ -63,7 +68,7 @@ def covered(verb: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 
 def _literals(module: str, names: Sequence[str]) -> Iterator[tuple[str, Any]]:
-    for node in _tree(module).body:
+    for node in ast.parse(_source(module).read_bytes()).body:
         match node:
             case ast.Assign([ast.Name(name)], value) if name in names:
                 yield name, ast.literal_eval(value)
@@ -88,10 +93,10 @@ def digest(entries: tuple[str, ...], alone: tuple[str, ...] = ()) -> str:
         tensorly and scikit-learn where they are imported.
     """
     modules = sorted(closure(entries) | set(alone))
-    imported = {name.split(".")[0] for module in modules for name in _found(module).named}
+    imported = {name.split(".")[0] for module in modules for name in _module(module).named}
     libraries = [*LIBRARIES, *(WHERE_IMPORTED[name] for name in WHERE_IMPORTED if name in imported)]
     parts = [f"{name} {importlib.metadata.version(name)}" for name in libraries]
-    parts += [f"{module} {_syntax(module)}" for module in modules]
+    parts += [f"{module} {_module(module).syntax}" for module in modules]
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
 
 
@@ -108,7 +113,7 @@ def closure(entries: Iterable[str]) -> set[str]:
     while waiting:
         module = waiting.pop()
         if module not in found:
-            if _found(module).by_name and module not in BY_NAME:
+            if _module(module).by_name and module not in BY_NAME:
                 raise ValueError(
                     f"{module} imports by name, which no digest can follow: "
                     "give it alone, and what it imports as entries"
@@ -135,40 +140,89 @@ def _source(module: str) -> Path:
     return file
 
 
-@cache
-def _tree(module: str) -> ast.Module:
-    return ast.parse(_source(module).read_text("utf-8"))
-
-
 @dataclass(frozen=True)
-class _Found:
-    """What a module imports: names in its import statements, and whether any by another way."""
+class _Module:
+    """What a module imports, by statements and whether in any other way, and what its code says.
 
-    named: frozenset[str]
+    The syntax is a digest.
+    """
+
+    named: tuple[str, ...]
     by_name: bool
+    syntax: str
 
 
 @cache
-def _found(module: str) -> _Found:
+def _module(module: str) -> _Module:
     """Look through a module, once: there are hundreds, and every call of Snakemake waits for it."""
-    named: list[str] = []
+    file, kept = _source(module), _kept()
+    content = file.read_bytes()
+    digest = hashlib.sha256(f"{file.name}\n".encode() + content).hexdigest()
+    if kept.get(module, [""])[0] != digest:
+        tree = ast.parse(content)
+        syntax = hashlib.sha256(_syntax(tree).encode()).hexdigest()
+        kept[module] = [digest, *_imported(module, tree), syntax]
+        _keep_at_exit()
+    _, named, by_name, syntax = kept[module]
+    return _Module(tuple(named), by_name, syntax)
+
+
+def _keep_in() -> Path:
+    """Where Python and numba keep what they have compiled of this module."""
+    return PACKAGE / "run" / "__pycache__" / "provenance.json"
+
+
+def _looked_by() -> str:
+    """Digest of what looks through modules."""
+    return hashlib.sha256(Path(__file__).read_bytes() + sys.version.encode()).hexdigest()
+
+
+@cache
+def _kept() -> dict[str, list[Any]]:
+    """What earlier processes found in modules, by name."""
+    with suppress(OSError, ValueError, LookupError, TypeError):
+        kept = json.loads(_keep_in().read_text("utf-8"))
+        if kept["by"] == _looked_by():
+            return dict(kept["modules"])
+    return {}
+
+
+@cache
+def _keep_at_exit() -> None:
+    atexit.register(_keep, _keep_in(), _kept())
+
+
+def _keep(path: Path, modules: dict[str, list[Any]]) -> None:
+    """Keep what was found, if there is a place for it."""
+    temporary = path.with_name(f"{path.name}.tmp.{secrets.token_hex(8)}")
+    with suppress(OSError):
+        path.parent.mkdir(exist_ok=True)
+        temporary.write_text(json.dumps({"by": _looked_by(), "modules": modules}), "utf-8")
+        temporary.replace(path)
+    with suppress(OSError):
+        temporary.unlink(missing_ok=True)
+
+
+def _imported(module: str, tree: ast.Module) -> tuple[list[str], bool]:
+    """Names in the import statements of a module, and whether it imports by another way."""
+    named: set[str] = set()
     by_name = False
-    for node in ast.walk(_tree(module)):
+    for node in ast.walk(tree):
         match node:
             case ast.Import(names):
-                named += [alias.name for alias in names]
+                named |= {alias.name for alias in names}
             case ast.ImportFrom(_, names):
                 source = _absolute(module, node)
-                named += [source, *(f"{source}.{alias.name}" for alias in names)]
+                named |= {source, *(f"{source}.{alias.name}" for alias in names)}
             case ast.Name(id=name) | ast.Attribute(attr=name):
                 by_name |= name in ("import_module", "__import__")
-    return _Found(frozenset(named), by_name)
+    return sorted(named), by_name
 
 
 @cache
 def _imports(module: str) -> frozenset[str]:
     """Modules of `npfm` that a module imports itself."""
-    return frozenset(n for n in _found(module).named if n.split(".")[0] == "npfm" and _file(n))
+    return frozenset(n for n in _module(module).named if n.split(".")[0] == "npfm" and _file(n))
 
 
 def _absolute(module: str, node: ast.ImportFrom) -> str:
@@ -179,11 +233,10 @@ def _absolute(module: str, node: ast.ImportFrom) -> str:
     return ".".join([*base, node.module] if node.module else base)
 
 
-@cache
-def _syntax(module: str) -> str:
+def _syntax(tree: ast.Module) -> str:
     """What the code of a module says, as text."""
     words: list[str] = []
-    _say(_tree(module), words)
+    _say(tree, words)
     return " ".join(words)
 
 

@@ -36,6 +36,26 @@ def copied(tmp_path, monkeypatch):
     forget()
 
 
+def test_what_an_earlier_process_found_is_used_and_no_edit_is_missed(copied, monkeypatch):
+    copy, digest = copied
+    naive = "npfm.models.naive"
+    before = digest(naive)
+    provenance._keep(provenance._keep_in(), provenance._kept())
+    with monkeypatch.context() as nothing_parsed:
+        nothing_parsed.setattr(provenance, "_imported", None)
+        assert digest(naive) == before
+    path = copy / "models" / "naive.py"
+    path.write_text(path.read_text() + "\nUNUSED = 1\n")
+    assert digest(naive) != before
+    path.write_text(path.read_text().replace("\nUNUSED = 1\n", ""))
+    for damaged in ("", "[]", '{"by": 1}', path.read_text()):
+        provenance._keep_in().write_text(damaged)
+        assert digest(naive) == before
+    # Where nothing can be kept, all is looked through again.
+    provenance._keep(copy / "errors.py" / "provenance.json", provenance._kept())
+    assert digest(naive) == before
+
+
 def test_the_closure_follows_imports_and_nothing_else():
     closure = provenance.closure(["npfm.models.naive"])
     assert {
@@ -140,7 +160,7 @@ def test_every_python_on_the_machine_says_the_same_of_all_code():
         "from npfm.run import provenance as p;"
         "files = (f.relative_to(p.PACKAGE.parent) for f in sorted(p.PACKAGE.rglob('*.py')));"
         "names = ('.'.join(f.with_suffix('').parts) for f in files if f.stem != '__init__');"
-        "print(p.hashlib.sha256(' '.join(map(p._syntax, names)).encode()).hexdigest())"
+        "print(p.hashlib.sha256(' '.join(p._module(n).syntax for n in names).encode()).hexdigest())"
     )
     others = (shutil.which(f"python3.{minor}") for minor in range(11, 16))
     pythons = [sys.executable, *filter(None, others)]
