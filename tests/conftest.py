@@ -70,3 +70,8 @@ def gappy(table) -> Table:
     values[:, [5, 6, 17]] = -1
     values[:, :, 9] = -1
     return Table(values, table.grid)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Whole runs come first: a long one that came last would leave the other workers idle."""
+    items.sort(key=lambda item: "workflow" not in item.path.parts)

@@ -115,8 +115,8 @@ class Project:
 
 
 def copied(folder: Path) -> Project:
-    """Copy the project's code."""
-    ignore = shutil.ignore_patterns("__pycache__")
+    """Copy the project's code, and what numba has compiled of it, but no half-written file."""
+    ignore = shutil.ignore_patterns("*.tmp.*", "*.pyc*")
     for name in ("npfm", "workflow", "profiles"):
         shutil.copytree(ROOT / name, folder / name, ignore=ignore)
     shutil.copy(ROOT / "Snakefile", folder)
