@@ -175,10 +175,9 @@ class Authors:
 
     def __init__(self, program: Path, table: str | Path) -> None:
         call = [program, Path(table).resolve()]
-        self.path, self.process = (
-            table,
-            subprocess.Popen(call, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True),
-        )
+        pipe = subprocess.PIPE
+        self.path = table
+        self.process = subprocess.Popen(call, stdin=pipe, stdout=pipe, text=True)
 
     def __enter__(self) -> "Authors":
         return self
